@@ -1,0 +1,25 @@
+// Every channel name, declared once. lcmtypes/README.md is the table of
+// record: type, producer, rate, policy.
+#pragma once
+
+#include <string_view>
+
+namespace waymark {
+
+inline constexpr std::string_view kEncoders = "ENCODERS";
+inline constexpr std::string_view kPositionFix = "POSITION_FIX";
+inline constexpr std::string_view kRelativeMotion = "RELATIVE_MOTION";
+inline constexpr std::string_view kInitialPose = "INITIAL_POSE";
+inline constexpr std::string_view kTruth = "TRUTH";
+inline constexpr std::string_view kRanges = "RANGES";
+inline constexpr std::string_view kOdometry = "ODOMETRY";
+inline constexpr std::string_view kPose = "POSE";
+inline constexpr std::string_view kPoseSettled = "POSE_SETTLED";
+inline constexpr std::string_view kPoseBot = "POSE_BOT";
+inline constexpr std::string_view kOdometryParameters = "ODOMETRY_PARAMETERS";
+inline constexpr std::string_view kStatus = "STATUS";
+inline constexpr std::string_view kConfig = "CONFIG";
+// Followed by the camera's name: IMAGE_FRONT.
+inline constexpr std::string_view kImagePrefix = "IMAGE_";
+
+}  // namespace waymark
