@@ -3,9 +3,11 @@
 #pragma once
 
 #include "estimation/base/time.h"
+#include "processes/support/decode.h"
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -59,13 +61,11 @@ class Bus {
         keep,
         [handler = std::move(handler)](
             std::span<const std::uint8_t> data) -> Delivery {
-          M message;
-          if (message.decode(data.data(), 0, static_cast<int>(data.size())) <
-              0) {
-            return {};
-          }
-          const Delivery delivery{true, message.utime, SequenceOf(message)};
-          handler(message, TimeFromMicroseconds(message.utime));
+          const std::optional<M> message = DecodeMessage<M>(data);
+          if (!message) return {};
+          Delivery delivery{
+              true, message->utime, SequenceOf(*message), SenderOf(*message)};
+          handler(*message, TimeFromMicroseconds(message->utime));
           return delivery;
         }});
   }
@@ -76,7 +76,10 @@ class Bus {
   void Publish(std::string_view channel, const M& message) {
     std::vector<std::uint8_t> data(
         static_cast<std::size_t>(message.getEncodedSize()));
-    message.encode(data.data(), 0, static_cast<int>(data.size()));
+    const int size =
+        message.encode(data.data(), 0, static_cast<int>(data.size()));
+    // A text with a zero byte inside is cut there: fewer bytes than counted.
+    data.resize(static_cast<std::size_t>(size));
     PublishRaw(channel, data, TimeFromMicroseconds(message.utime));
   }
 
@@ -96,7 +99,8 @@ class Bus {
   struct Delivery {
     bool decoded = false;
     std::int64_t utime = 0;
-    std::int64_t seq = -1;  // -1: this type carries none.
+    std::int64_t seq = -1;  // -1: this message carries none.
+    std::string sender;     // Who counts seq; empty: one sender per channel.
   };
   struct Subscription {
     std::string channel;
@@ -111,16 +115,6 @@ class Bus {
   virtual void PublishRaw(std::string_view channel,
                           std::span<const std::uint8_t> data,
                           Time utime) = 0;
-
- private:
-  template <typename M>
-  static std::int64_t SequenceOf(const M& message) {
-    if constexpr (requires { message.seq; }) {
-      return message.seq;
-    } else {
-      return -1;
-    }
-  }
 };
 
 }  // namespace waymark

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "estimation/base/time.h"
+#include "processes/support/decode.h"
 #include "processes/support/input_error.h"
 
 #include <cstdint>
@@ -142,19 +143,7 @@ class LogWriter {
 // to exactly its length.
 template <typename M>
 [[nodiscard]] std::optional<M> DecodeAs(const LogEvent& event) {
-  const auto fingerprint = FingerprintOf(event.data);
-  if (!fingerprint ||
-      *fingerprint != static_cast<std::uint64_t>(M::getHash())) {
-    return std::nullopt;
-  }
-  try {
-    M message;
-    const int size = static_cast<int>(event.data.size());
-    if (message.decode(event.data.data(), 0, size) != size) return std::nullopt;
-    return message;
-  } catch (const std::exception&) {
-    return std::nullopt;  // A length field beyond what memory can hold.
-  }
+  return DecodeMessage<M>(event.data);
 }
 
 }  // namespace waymark
