@@ -11,7 +11,6 @@
 #include "processes/support/input_error.h"
 
 #include <cstdint>
-#include <exception>
 #include <memory>
 #include <optional>
 #include <span>
@@ -134,10 +133,6 @@ class LogWriter {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-// First eight bytes of a message; nullopt where it has fewer.
-[[nodiscard]] std::optional<std::uint64_t> FingerprintOf(
-    std::span<const std::uint8_t> data);
 
 // The event's message, nullopt where it is of another type or does not decode
 // to exactly its length.

@@ -301,9 +301,4 @@ const std::string& LogReader::path() const {
   return impl_->path();
 }
 
-std::optional<std::uint64_t> FingerprintOf(std::span<const std::uint8_t> data) {
-  if (data.size() < sizeof(std::uint64_t)) return std::nullopt;
-  return FromBigEndian<std::uint64_t>(data.data());
-}
-
 }  // namespace waymark

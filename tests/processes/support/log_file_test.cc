@@ -104,7 +104,7 @@ class LogFileTest : public testing::Test {
         }));
   }
 
-  TemporaryDirectory directory_;
+  TemporaryDirectory directory_{TemporaryDirectory::FastParent()};
   std::string log_ = directory_ / "a.log";
   std::string damaged_ = directory_ / "damaged.log";
 };
@@ -399,7 +399,6 @@ TEST_F(LogFileTest, DecodeAsNeedsTypeAndLength) {
   EXPECT_FALSE(DecodeAs<encoders_t>(event));
   event.data.resize(7);
   EXPECT_FALSE(DecodeAs<encoders_t>(event));
-  EXPECT_FALSE(FingerprintOf(event.data));
 }
 
 }  // namespace
