@@ -1,0 +1,200 @@
+#include "logs/evaluation/evaluation_text.h"
+
+#include "estimation/geometry/angle.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace waymark {
+namespace {
+
+std::string RmseOf(const std::optional<AbsoluteError>& error) {
+  return error ? MetresText(error->position_summary.rmse) : "-";
+}
+
+std::string DeltaText(const RelativeErrorOptions& options) {
+  return fmt::format(
+      "{:g} {}", options.delta, options.unit == DeltaUnit::kMetres ? "m" : "s");
+}
+
+std::string PercentText(double share) {
+  return fmt::format("{:.1f} %", 100.0 * share);
+}
+
+void AppendEstimates(const LogEvaluation& evaluation, std::string* text) {
+  const auto line = [&](const auto&... cells) {
+    *text += fmt::format("  {:<25}{:>9}{:>9}{:>9}{:>10}{:>9}{:>9}{:>11}\n",
+                         cells...);
+  };
+  std::string delta = "RPE";
+  for (const auto& estimate : evaluation.estimates) {
+    if (estimate.relative.empty()) continue;
+    delta = "RPE/" + DeltaText(estimate.relative[0].options);
+    break;
+  }
+  line("estimate",
+       "ATE rmse",
+       "median",
+       "max",
+       "SE(2) rms",
+       "heading",
+       delta,
+       "NEES in");
+  for (const auto& estimate : evaluation.estimates) {
+    if (!estimate.missing.empty() || estimate.num_pairs == 0) {
+      *text += fmt::format("  {:<25}-  {}\n",
+                           estimate.label,
+                           estimate.missing.empty() ? "no reference to compare"
+                                                    : estimate.missing);
+      continue;
+    }
+    const auto& error = estimate.absolute;
+    const bool has_heading = error && error->heading_summary.num > 0;
+    const bool has_relative =
+        !estimate.relative.empty() && estimate.relative[0].translation.num > 0;
+    line(estimate.label,
+         RmseOf(error),
+         error ? MetresText(error->position_summary.median) : "-",
+         error ? MetresText(error->position_summary.max) : "-",
+         RmseOf(estimate.aligned),
+         has_heading
+             ? fmt::format("{:.2f}°",
+                           DegreesFromRadians(error->heading_summary.rmse))
+             : "-",
+         has_relative ? MetresText(estimate.relative[0].translation.rmse) : "-",
+         estimate.nees_position
+             ? PercentText(estimate.nees_position->share_inside)
+             : "-");
+  }
+}
+
+void AppendParameters(const LogEvaluation& evaluation, std::string* text) {
+  if (evaluation.parameters.empty()) return;
+  *text += fmt::format("  {:<12}{:>23}{:>23}{:>23}\n",
+                       "parameters",
+                       "k_right, um/tick",
+                       "k_left, um/tick",
+                       "wheel base, mm");
+  for (const ParameterEvaluation& p : evaluation.parameters) {
+    *text += fmt::format("  {:<12}", p.source);
+    const Eigen::Vector3d value = p.convergence.final.vector();
+    const Eigen::Vector3d scale(1e6, 1e6, 1e3);
+    for (int k = 0; k < 3; ++k) {
+      const double sigma = p.convergence.sigma(k) * scale(k);
+      *text += fmt::format(
+          "{:>23}",
+          sigma > 0.0
+              ? fmt::format("{:.4f} ± {:.4f}", value(k) * scale(k), sigma)
+              : fmt::format("{:.4f}", value(k) * scale(k)));
+    }
+    *text += '\n';
+  }
+}
+
+void AppendHealth(const LogRecording& recording, std::string* text) {
+  for (const auto& [channel, latency] : recording.latency) {
+    *text += fmt::format(
+        "  latency of {}: median {:.2f} ms, p99 {:.2f} ms, max {:.2f} ms\n",
+        channel,
+        latency.median_ms,
+        latency.p99_ms,
+        latency.max_ms);
+  }
+  for (const auto& [name, process] : recording.processes) {
+    *text += fmt::format(
+        "  {}: {} received, {} published, {} lost, {} dropped, {} bad\n",
+        name,
+        process.num_received,
+        process.num_published,
+        process.num_lost,
+        process.num_dropped,
+        process.num_bad);
+    for (const std::string& fault : process.faults) {
+      *text += fmt::format("  {}: fault: {}\n", name, fault);
+    }
+  }
+  for (const auto& [channel, health] : recording.channels) {
+    if (health.num_lost == 0 && health.num_bad == 0) continue;
+    *text += fmt::format("  {}: {} lost (sequence gaps), {} unusable\n",
+                         channel,
+                         health.num_lost,
+                         health.num_bad);
+  }
+}
+
+}  // namespace
+
+std::string MetresText(double metres) {
+  if (!std::isfinite(metres)) return "-";
+  if (metres >= 1.0) return fmt::format("{:.3f} m", metres);
+  return fmt::format("{:.{}f} mm", metres * 1e3, metres < 0.1 ? 2 : 1);
+}
+
+std::string TableOf(const LogEvaluation& evaluation) {
+  const LogRecording& recording = evaluation.recording;
+  std::string text =
+      fmt::format("{}{}\n",
+                  recording.path,
+                  recording.is_reference_aided() ? "  [reference-aided]" : "");
+  if (!recording.truth.empty()) {
+    text += fmt::format("  reference: {} samples, {:.2f} m in {:.1f} s ({})\n",
+                        recording.truth.size(),
+                        evaluation.path_m,
+                        evaluation.truth_duration_s,
+                        recording.truth_source);
+  }
+  AppendEstimates(evaluation, &text);
+  AppendParameters(evaluation, &text);
+  AppendHealth(recording, &text);
+  for (const std::string& note : evaluation.notes) {
+    text += "  note: " + note + "\n";
+  }
+  return text;
+}
+
+std::string SummaryTableOf(std::span<const LogEvaluation> evaluations) {
+  const auto line = [](const auto&... cells) {
+    return fmt::format("{:<34}{:>8}{:>11}{:>11}{:>11}{:>11}{:>9}\n", cells...);
+  };
+  std::string text = line("position error (RMSE)",
+                          "path",
+                          "raw",
+                          "online",
+                          "settled",
+                          "batch",
+                          "NEES in");
+  bool is_any_aided = false;
+  for (const LogEvaluation& evaluation : evaluations) {
+    const auto rmse = [&](std::string_view id) {
+      const EstimateEvaluation* estimate = evaluation.Find(id);
+      return estimate == nullptr ? std::string("-")
+                                 : RmseOf(estimate->absolute);
+    };
+    const EstimateEvaluation* settled = evaluation.Find("settled");
+    const bool is_aided = evaluation.recording.is_reference_aided();
+    is_any_aided |= is_aided;
+    std::string raw = rmse("raw");
+    if (raw == "-") raw = rmse("raw_nominal");
+    text += line(evaluation.name + (is_aided ? " *" : ""),
+                 fmt::format("{:.2f} m", evaluation.path_m),
+                 raw,
+                 rmse("online"),
+                 rmse("settled"),
+                 rmse("dead_reckoning_batch"),
+                 settled != nullptr && settled->nees_position
+                     ? PercentText(settled->nees_position->share_inside)
+                     : "-");
+  }
+  text +=
+      "raw, batch: dead reckoning with nominal and with batch parameters; "
+      "online, settled: POSE, POSE_SETTLED\n";
+  if (is_any_aided) {
+    text +=
+        "* reference-aided: fed with thinned, noisy samples of the reference, "
+        "scored on the others\n";
+  }
+  return text;
+}
+
+}  // namespace waymark

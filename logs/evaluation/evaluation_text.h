@@ -1,0 +1,26 @@
+// An evaluation as text: for people on a terminal, for programs as JSON.
+#pragma once
+
+#include "logs/evaluation/log_evaluation.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <span>
+#include <string>
+
+namespace waymark {
+
+// Everything about one log, in lines of at most 100 characters.
+[[nodiscard]] std::string TableOf(const LogEvaluation& evaluation);
+
+// One line for each log: raw, online and batch side by side.
+[[nodiscard]] std::string SummaryTableOf(
+    std::span<const LogEvaluation> evaluations);
+
+// The schema "waymark-evaluation-1" of logs/evaluation/README.md.
+[[nodiscard]] nlohmann::json JsonOf(const LogEvaluation& evaluation);
+
+// 12.3 mm or 1.234 m: three to four digits, the unit that reads best.
+[[nodiscard]] std::string MetresText(double metres);
+
+}  // namespace waymark

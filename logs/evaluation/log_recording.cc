@@ -1,0 +1,328 @@
+#include "logs/evaluation/log_recording.h"
+
+#include "processes/convert/odometry_convert.h"
+#include "processes/support/channels.h"
+
+#include <waymark/config_t.hpp>
+#include <waymark/encoders_t.hpp>
+#include <waymark/odometry_parameters_t.hpp>
+#include <waymark/pose_t.hpp>
+#include <waymark/position_fix_t.hpp>
+#include <waymark/relative_motion_t.hpp>
+#include <waymark/status_t.hpp>
+#include <waymark/truth_t.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace waymark {
+namespace {
+
+// Removes counter wraps, taking the shorter way round.
+class Unwrapper {
+ public:
+  std::int64_t Next(std::int64_t raw, int bits) {
+    if (!has_last_ || bits <= 0 || bits > 62) {
+      total_ += has_last_ ? raw - last_ : 0;
+    } else {
+      const std::int64_t range = std::int64_t{1} << bits;
+      std::int64_t step = (raw - last_) % range;
+      if (step > range / 2) step -= range;
+      if (step < -range / 2) step += range;
+      total_ += step;
+    }
+    last_ = raw;
+    has_last_ = true;
+    return total_;
+  }
+
+ private:
+  bool has_last_ = false;
+  std::int64_t last_ = 0;
+  std::int64_t total_ = 0;
+};
+
+// Times of one channel, as rate and longest gap.
+struct Cadence {
+  std::optional<Time> first;
+  Time last;
+  double longest_gap_s = 0.0;
+
+  void Add(Time t) {
+    if (!first) {
+      first = t;
+    } else {
+      longest_gap_s = std::max(longest_gap_s, Seconds(t - last));
+    }
+    last = t;
+  }
+};
+
+bool IsFinite(double a, double b, double c) {
+  return std::isfinite(a) && std::isfinite(b) && std::isfinite(c);
+}
+
+LatencySummary SummariseLatency(std::vector<double> ms) {
+  std::sort(ms.begin(), ms.end());
+  const std::size_t n = ms.size();
+  LatencySummary summary;
+  summary.num = static_cast<std::int64_t>(n);
+  summary.median_ms = 0.5 * (ms[(n - 1) / 2] + ms[n / 2]);
+  summary.p99_ms = ms[(99 * n + 99) / 100 - 1];  // ceil(0.99 n)-th smallest.
+  summary.max_ms = ms.back();
+  return summary;
+}
+
+// Collects one recording event by event.
+class Collector {
+ public:
+  void Add(const LogEvent& event) {
+    if (!first_) first_ = event.time;
+    last_ = event.time;
+    ChannelHealth& health = recording_.channels[event.channel];
+    ++health.num_messages;
+    if (!Dispatch(event)) {
+      // Not one of ours: the log's own clock.
+      cadences_[event.channel].Add(event.time);
+    }
+  }
+
+  LogRecording Finish() {
+    if (first_) recording_.log_duration_s = Seconds(last_ - *first_);
+    for (auto& [channel, cadence] : cadences_) {
+      ChannelHealth& health = recording_.channels[channel];
+      health.longest_gap_s = cadence.longest_gap_s;
+      const double span = Seconds(cadence.last - *cadence.first);
+      const auto num = health.num_messages - health.num_bad;
+      if (span > 0.0 && num > 1) {
+        health.rate_hz = static_cast<double>(num - 1) / span;
+      }
+    }
+    // Offline, outputs carry their inputs' log time: latency is absent.
+    bool is_live = false;
+    for (const auto& [channel, values] : latencies_) {
+      is_live |= std::any_of(
+          values.begin(), values.end(), [](double ms) { return ms != 0.0; });
+    }
+    if (is_live) {
+      for (const auto& [channel, values] : latencies_) {
+        recording_.latency[channel] = SummariseLatency(values);
+      }
+    }
+    return std::move(recording_);
+  }
+
+ private:
+  bool Dispatch(const LogEvent& event) {
+    const std::string& channel = event.channel;
+    if (channel == kTruth) return Take<truth_t>(event);
+    if (channel == kEncoders) return Take<encoders_t>(event);
+    if (channel == kPositionFix) return Take<position_fix_t>(event);
+    if (channel == kRelativeMotion) return Take<relative_motion_t>(event);
+    if (channel == kInitialPose) return Take<initial_pose_t>(event);
+    if (channel == kOdometry || channel == kPose || channel == kPoseSettled) {
+      return Take<pose_t>(event);
+    }
+    if (channel == kOdometryParameters) {
+      return Take<odometry_parameters_t>(event);
+    }
+    if (channel == kStatus) return Take<status_t>(event);
+    if (channel == kConfig) return Take<config_t>(event);
+    return false;
+  }
+
+  template <typename M>
+  bool Take(const LogEvent& event) {
+    const std::optional<M> message = DecodeAs<M>(event);
+    if (!message || !OnMessage(event, *message)) {
+      ++recording_.channels[event.channel].num_bad;
+      return true;
+    }
+    cadences_[event.channel].Add(TimeFromMicroseconds(message->utime));
+    return true;
+  }
+
+  void CountSequence(const LogEvent& event,
+                     const std::string& sender,
+                     std::int64_t seq) {
+    const auto [place, is_new] =
+        sequences_.try_emplace({event.channel, sender}, seq);
+    if (is_new) return;
+    // A smaller number is a sender that started again.
+    if (seq > place->second + 1) {
+      recording_.channels[event.channel].num_lost += seq - place->second - 1;
+    }
+    place->second = seq;
+  }
+
+  void NoteInput(const LogEvent& event, std::int64_t utime) {
+    input_times_[utime] = event.time;
+  }
+
+  bool OnMessage(const LogEvent& event, const truth_t& m) {
+    CountSequence(event, m.source, m.seq);
+    if (!IsFinite(m.x, m.y, m.heading) ||
+        !IsFinite(m.sensor_R[0], m.sensor_R[1], m.sensor_R[2])) {
+      return false;
+    }
+    TruthSample sample;
+    sample.time = TimeFromMicroseconds(m.utime);
+    sample.p_WS = {m.x, m.y};
+    if (m.has_heading) sample.heading = m.heading;
+    sample.p_RS = {m.sensor_R[0], m.sensor_R[1]};
+    recording_.truth.push_back(sample);
+    recording_.truth_source = m.source;
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const encoders_t& m) {
+    CountSequence(event, "", m.seq);
+    std::string reason;
+    std::optional<EncoderReading> reading =
+        EncoderReadingFromMessage(m, &reason);
+    if (!reading) return false;
+    NoteInput(event, m.utime);
+    // Late and repeated readings say nothing new: counts are cumulative.
+    if (!recording_.readings.empty() &&
+        reading->time <= recording_.readings.back().time) {
+      return true;
+    }
+    reading->right = right_.Next(reading->right, m.counter_bits);
+    reading->left = left_.Next(reading->left, m.counter_bits);
+    recording_.has_virtual_ticks |= m.is_virtual != 0;
+    recording_.readings.push_back(*reading);
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const position_fix_t& m) {
+    CountSequence(event, m.source, m.seq);
+    std::string reason;
+    const std::optional<AbsoluteFix> fix = AbsoluteFixFromMessage(m, &reason);
+    if (!fix) return false;
+    NoteInput(event, m.utime);
+    recording_.fixes.push_back(*fix);
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const relative_motion_t& m) {
+    CountSequence(event, m.source, m.seq);
+    std::string reason;
+    const auto motion = RelativeMotionFromMessage(m, &reason);
+    if (!motion) return false;
+    NoteInput(event, m.utime);
+    recording_.relative_motions.push_back(*motion);
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const initial_pose_t& m) {
+    CountSequence(event, m.source, m.seq);
+    std::string reason;
+    const std::optional<InitialPose> pose = InitialPoseFromMessage(m, &reason);
+    if (!pose) return false;
+    if (!recording_.initial_pose) recording_.initial_pose = pose;
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const pose_t& m) {
+    CountSequence(event, "", m.seq);
+    if (const auto input = input_times_.find(m.utime);
+        input != input_times_.end()) {
+      // Microseconds to milliseconds.
+      latencies_[event.channel].push_back(
+          static_cast<double>((event.time - input->second).count()) * 1e-3);
+    }
+    if (m.is_known == 0) {
+      ++recording_.num_unknown_poses[event.channel];
+      return true;
+    }
+    if (!IsFinite(m.pose_W[0], m.pose_W[1], m.pose_W[2])) return false;
+    EstimatedPose pose;
+    pose.time = TimeFromMicroseconds(m.utime);
+    pose.X_WR = Pose2::FromVector({m.pose_W[0], m.pose_W[1], m.pose_W[2]});
+    const Eigen::Matrix3d covariance =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+            m.covariance);
+    if (covariance.allFinite()) pose.covariance = covariance;
+    recording_.poses[event.channel].push_back(pose);
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const odometry_parameters_t& m) {
+    CountSequence(event, m.source, m.seq);
+    std::string reason;
+    const auto values = OdometryParametersFromMessage(m, &reason);
+    if (!values) return false;
+    recording_.parameters[values->source].push_back(
+        {values->time, values->parameters, values->covariance});
+    if (values->sensor) recording_.sensor = values->sensor;
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const status_t& m) {
+    CountSequence(event, m.process, m.seq);
+    ProcessHealth& health = recording_.processes[m.process];
+    ++health.num_statuses;
+    health.num_received = m.num_received;
+    health.num_published = m.num_published;
+    health.num_lost = m.num_lost;
+    health.num_dropped = m.num_dropped;
+    health.num_bad = m.num_bad;
+    if (m.worst_handler_us >= 0) {
+      health.worst_handler_us =
+          std::max(health.worst_handler_us.value_or(0), m.worst_handler_us);
+    }
+    if (!m.fault.empty() &&
+        (health.faults.empty() || health.faults.back() != m.fault)) {
+      health.faults.push_back(m.fault);
+    }
+    return true;
+  }
+
+  bool OnMessage(const LogEvent& event, const config_t& m) {
+    CountSequence(event, m.process, m.seq);
+    recording_.configs[m.process] = m.yaml;
+    recording_.version = m.version;
+    return true;
+  }
+
+  LogRecording recording_;
+  std::optional<Time> first_;
+  Time last_;
+  Unwrapper right_;
+  Unwrapper left_;
+  std::map<std::string, Cadence> cadences_;
+  // Key: channel, sender.
+  std::map<std::pair<std::string, std::string>, std::int64_t> sequences_;
+  std::map<std::int64_t, Time> input_times_;              // utime to log time.
+  std::map<std::string, std::vector<double>> latencies_;  // ms.
+};
+
+}  // namespace
+
+bool LogRecording::is_reference_aided() const {
+  return std::any_of(fixes.begin(), fixes.end(), [](const AbsoluteFix& fix) {
+    return fix.source.starts_with("reference");
+  });
+}
+
+LogRecording ReadRecording(std::span<const std::string> paths) {
+  Collector collector;
+  LogReadReport report;
+  for (const std::string& path : paths) {
+    LogReader reader(path);
+    while (const std::optional<LogEvent> event = reader.Next()) {
+      collector.Add(*event);
+    }
+    report.num_events += reader.report().num_events;
+    report.num_skipped_bytes += reader.report().num_skipped_bytes;
+    report.num_gaps += reader.report().num_gaps;
+    report.torn_end |= reader.report().torn_end;
+    report.num_file_bytes += reader.report().num_file_bytes;
+  }
+  LogRecording recording = collector.Finish();
+  recording.path = paths.empty() ? "" : paths.front();
+  recording.read_report = report;
+  return recording;
+}
+
+}  // namespace waymark

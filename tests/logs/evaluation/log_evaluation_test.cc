@@ -1,0 +1,226 @@
+#include "logs/evaluation/log_evaluation.h"
+
+#include "logs/evaluation/evaluation_text.h"
+#include "processes/support/channels.h"
+#include "tests/logs/evaluation/synthetic_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+class LogEvaluationTest : public testing::Test {
+ protected:
+  LogEvaluationTest() {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("log_evaluation_test_") + info->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  ~LogEvaluationTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const {
+    return (folder_ / name).string();
+  }
+  LogEvaluation Evaluate(const SyntheticLogOptions& options) {
+    const std::vector<std::string> paths{Path("run.lcm")};
+    std::filesystem::remove(paths[0]);
+    WriteSyntheticLog(paths[0], options);
+    return EvaluateRecording(ReadRecording(paths), {});
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(LogEvaluationTest, ScoresWhatWasPutIn) {
+  const SyntheticLogOptions options;
+  const LogEvaluation e = Evaluate(options);
+  EXPECT_EQ(e.name, "run");
+  EXPECT_TRUE(e.recording.is_reference_aided());
+  ASSERT_EQ(e.estimates.size(), 6u);
+  for (const auto& estimate : e.estimates) {
+    EXPECT_EQ(estimate.missing, "") << estimate.id;
+    EXPECT_GT(estimate.num_pairs, 400) << estimate.id;
+  }
+  // Two axes of 1 cm: RMSE sqrt(2) cm; 480 draws scatter it by 3 %, the
+  // heading's 0.01 rad on a lever of 3 cm adds nothing visible. Four sigma.
+  const auto* online = e.Find("online");
+  EXPECT_NEAR(
+      online->absolute->position_summary.rmse, 0.01 * std::sqrt(2.0), 0.0017);
+  EXPECT_NEAR(online->absolute->heading_summary.rmse, 0.01, 0.0013);
+  EXPECT_NEAR(online->nees_position->share_inside, 0.95, 0.04);
+  EXPECT_NEAR(online->nees_pose->mean, 3.0, 0.45);
+  // Raw drifts by its parameters; with the true ones little is left, and
+  // ODOMETRY as published is the nominal integration itself.
+  const double raw = e.Find("raw")->absolute->position_summary.rmse;
+  const double batch =
+      e.Find("dead_reckoning_batch")->absolute->position_summary.rmse;
+  EXPECT_GT(raw, 0.3);
+  EXPECT_LT(batch, 0.05);
+  EXPECT_NEAR(
+      raw, e.Find("raw_nominal")->absolute->position_summary.rmse, 1e-9);
+  EXPECT_FALSE(e.Find("raw")->nees_position);
+  EXPECT_EQ(e.Find("nothing"), nullptr);
+}
+
+TEST_F(LogEvaluationTest, FollowsTheParametersToTheBatchResult) {
+  const LogEvaluation e = Evaluate({});
+  EXPECT_EQ(e.parameter_reference, "batch");
+  ASSERT_EQ(e.parameters.size(), 3u);
+  const ParameterEvaluation& online = e.parameters[1];
+  EXPECT_EQ(online.source, "online");
+  EXPECT_EQ(online.samples.size(), 61u);
+  // 7.4 % off, times exp(-t / 8): below 1 % after 16.02 s, so at sample 17.
+  ASSERT_TRUE(online.convergence.settled_s[2]);
+  EXPECT_EQ(*online.convergence.settled_s[2], 17.0);
+  EXPECT_LT(online.convergence.normalised_error(2), 3.0);
+}
+
+TEST_F(LogEvaluationTest, ReadsHealth) {
+  const LogEvaluation e = Evaluate({});
+  const LogRecording& r = e.recording;
+  EXPECT_NEAR(r.latency.at("POSE").median_ms, 3.0, 1e-9);
+  EXPECT_NEAR(r.channels.at("ENCODERS").rate_hz, 20.0, 1e-6);
+  EXPECT_EQ(r.channels.at("ENCODERS").num_lost, 0);
+  const ProcessHealth& process = r.processes.at("pose_filter");
+  EXPECT_EQ(process.num_dropped, 2);
+  EXPECT_EQ(process.worst_handler_us, 210);
+  EXPECT_THAT(process.faults, testing::ElementsAre("synthetic fault"));
+  EXPECT_EQ(r.version, "0.1.0");
+}
+
+TEST_F(LogEvaluationTest, LatencyIsAbsentOffline) {
+  SyntheticLogOptions options;
+  options.latency_s = 0;
+  const LogEvaluation e = Evaluate(options);
+  EXPECT_TRUE(e.recording.latency.empty());
+  EXPECT_FALSE(e.recording.processes.at("pose_filter").worst_handler_us);
+  EXPECT_TRUE(JsonOf(e)["health"]["latency"].is_null());
+}
+
+TEST_F(LogEvaluationTest, WithoutTruthSaysSoAndEvaluatesTheRest) {
+  SyntheticLogOptions options;
+  options.has_truth = false;
+  const LogEvaluation e = Evaluate(options);
+  EXPECT_FALSE(e.Find("online")->absolute);
+  EXPECT_EQ(e.parameters.size(), 3u);
+  EXPECT_FALSE(e.recording.latency.empty());
+  EXPECT_THAT(e.notes[0], HasSubstr("No TRUTH in the log"));
+  EXPECT_THAT(TableOf(e), HasSubstr("note: No TRUTH"));
+  EXPECT_TRUE(JsonOf(e)["estimates"][2]["ate"].is_null());
+}
+
+TEST_F(LogEvaluationTest, WithoutHeadingsComparesPositions) {
+  SyntheticLogOptions options;
+  options.has_truth_heading = false;
+  const LogEvaluation e = Evaluate(options);
+  const auto* online = e.Find("online");
+  EXPECT_TRUE(online->nees_position);
+  EXPECT_FALSE(online->nees_pose);
+  EXPECT_EQ(online->absolute->heading_summary.num, 0);
+  EXPECT_FALSE(online->relative[0].has_heading);
+  EXPECT_GT(online->relative[0].translation.num, 0);
+}
+
+TEST_F(LogEvaluationTest, ABareRecordingHasItsDeadReckoning) {
+  SyntheticLogOptions options;
+  options.has_estimates = false;
+  options.fix_source = "beacons";
+  const LogEvaluation e = Evaluate(options);
+  EXPECT_FALSE(e.recording.is_reference_aided());
+  EXPECT_TRUE(e.Find("raw_nominal")->absolute);
+  EXPECT_EQ(e.Find("raw")->missing, "no ODOMETRY in the log");
+  EXPECT_EQ(e.Find("online")->missing, "no known pose on POSE");
+  EXPECT_EQ(e.Find("dead_reckoning_batch")->missing,
+            "no ODOMETRY_PARAMETERS of source 'batch'");
+  EXPECT_THAT(SummaryTableOf({&e, 1}), HasSubstr("run"));
+}
+
+TEST_F(LogEvaluationTest, CountsLostAndUnusableMessages) {
+  const std::vector<std::string> paths{Path("damaged.lcm")};
+  WriteSyntheticLog(Path("whole.lcm"), {});
+  LogReader reader(Path("whole.lcm"));
+  LogWriter writer(paths[0]);
+  int num_encoders = 0;
+  while (auto event = reader.Next()) {
+    if (event->channel == kEncoders) {
+      ++num_encoders;
+      if (num_encoders == 100 || num_encoders == 101) continue;  // Lost.
+      if (num_encoders == 200) event->data.resize(20);           // Cut short.
+      if (num_encoders == 300) event->data[0] ^= 1;  // Another type.
+    }
+    writer.Write(event->time, event->channel, event->data);
+  }
+  writer.Close();
+  const LogRecording r = ReadRecording(paths);
+  EXPECT_EQ(r.channels.at("ENCODERS").num_bad, 2);
+  // The two dropped and the two that could not be read leave gaps.
+  EXPECT_EQ(r.channels.at("ENCODERS").num_lost, 4);
+  EXPECT_NEAR(r.channels.at("ENCODERS").longest_gap_s, 0.15, 1e-9);
+  EXPECT_EQ(r.readings.size(), 1197u);
+}
+
+TEST_F(LogEvaluationTest, JoinsOutputsWithInputsFromAnotherLog) {
+  WriteSyntheticLog(Path("whole.lcm"), {});
+  {
+    LogReader reader(Path("whole.lcm"));
+    LogWriter in(Path("in.lcm"));
+    LogWriter out(Path("out.lcm"));
+    while (const auto event = reader.Next()) {
+      const bool is_output =
+          event->channel == kPose || event->channel == kPoseSettled;
+      (is_output ? out : in).Write(event->time, event->channel, event->data);
+    }
+    in.Close();
+    out.Close();
+  }
+  const std::vector<std::string> paths{Path("out.lcm"), Path("in.lcm")};
+  const LogEvaluation e = EvaluateRecording(ReadRecording(paths), {});
+  EXPECT_EQ(e.name, "out");
+  EXPECT_TRUE(e.Find("online")->absolute);
+  EXPECT_TRUE(e.Find("raw")->absolute);
+}
+
+TEST_F(LogEvaluationTest, SaysWhichLogCannotBeRead) {
+  const std::vector<std::string> missing{Path("missing.lcm")};
+  try {
+    (void)ReadRecording(missing);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("missing.lcm"));
+  }
+}
+
+TEST_F(LogEvaluationTest, TableAndJsonSayTheSame) {
+  const LogEvaluation e = Evaluate({});
+  const std::string table = TableOf(e);
+  EXPECT_THAT(table, HasSubstr("[reference-aided]"));
+  EXPECT_THAT(table, HasSubstr("online (POSE_SETTLED)"));
+  EXPECT_THAT(SummaryTableOf({&e, 1}), HasSubstr("* reference-aided"));
+  const auto json = JsonOf(e);
+  EXPECT_EQ(json["schema"], "waymark-evaluation-1");
+  EXPECT_EQ(json["estimates"][0]["id"], "raw");
+  const double rmse = json["estimates"][2]["ate"]["position"]["rmse_m"];
+  EXPECT_EQ(rmse, e.Find("online")->absolute->position_summary.rmse);
+  EXPECT_THAT(table, HasSubstr(MetresText(rmse)));
+  // Complete: no number that JSON cannot hold.
+  EXPECT_THAT(json.dump(), testing::Not(HasSubstr("nan")));
+}
+
+TEST(MetresText, ChoosesTheUnit) {
+  EXPECT_EQ(MetresText(0.00734), "7.34 mm");
+  EXPECT_EQ(MetresText(0.732), "732.0 mm");
+  EXPECT_EQ(MetresText(2.5), "2.500 m");
+}
+
+}  // namespace
+}  // namespace waymark
