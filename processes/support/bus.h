@@ -70,8 +70,29 @@ class Bus {
         }});
   }
 
-  // Encodes and sends. Throws std::runtime_error where the bus cannot send
-  // (message too large, log not writable).
+  // Declares in the constructor of a process that it publishes on `channel`,
+  // and, where several senders share the channel, under which `source` (the
+  // message's field of that name; empty: all messages of the channel are this
+  // process's). An offline run leaves these messages of the log out, since it
+  // makes them anew.
+  template <typename M>
+  void Advertise(std::string_view channel, std::string_view source = {}) {
+    AdvertiseRaw(Advertisement{
+        std::string(channel),
+        [source = std::string(source)](std::span<const std::uint8_t> data) {
+          if (source.empty()) return true;
+          if constexpr (requires(const M& m) { m.source; }) {
+            const std::optional<M> message = DecodeMessage<M>(data);
+            return message && message->source == source;
+          } else {
+            return true;
+          }
+        }});
+  }
+
+  // Encodes and sends on a channel that was advertised. Throws
+  // std::logic_error where it was not, std::runtime_error where the bus cannot
+  // send (message too large, log not writable).
   template <typename M>
   void Publish(std::string_view channel, const M& message) {
     std::vector<std::uint8_t> data(
@@ -109,9 +130,15 @@ class Bus {
     // Decodes and handles; what a handler throws passes through.
     std::function<Delivery(std::span<const std::uint8_t>)> deliver;
   };
+  struct Advertisement {
+    std::string channel;
+    // Whether this process would have sent `data` on the channel.
+    std::function<bool(std::span<const std::uint8_t>)> is_own;
+  };
 
  protected:
   virtual void SubscribeRaw(Subscription subscription) = 0;
+  virtual void AdvertiseRaw(Advertisement advertisement) = 0;
   virtual void PublishRaw(std::string_view channel,
                           std::span<const std::uint8_t> data,
                           Time utime) = 0;

@@ -53,10 +53,17 @@ template <typename M>
 }
 
 // Several senders may share a channel, each counting for itself: its source
-// or process; empty where the type names none.
+// or process (with host and pid, where two may run); empty where the type names
+// none.
 template <typename M>
 [[nodiscard]] std::string SenderOf(const M& message) {
-  if constexpr (requires { message.process; }) {
+  if constexpr (requires {
+                  message.host + message.process;
+                  message.pid;
+                }) {
+    return message.process + ' ' + message.host + ' ' +
+           std::to_string(message.pid);
+  } else if constexpr (requires { message.process; }) {
     return message.process;
   } else if constexpr (requires { message.source; }) {
     return message.source;

@@ -118,7 +118,9 @@ TEST(SenderOf, SourceOrProcessOrNone) {
   EXPECT_EQ(SenderOf(fix), "camera");
   status_t status;
   status.process = "pose_filter";
-  EXPECT_EQ(SenderOf(status), "pose_filter");
+  status.host = "robot";
+  status.pid = 12;
+  EXPECT_EQ(SenderOf(status), "pose_filter robot 12");
   EXPECT_EQ(SenderOf(encoders_t()), "");
 }
 

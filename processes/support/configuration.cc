@@ -1,0 +1,529 @@
+#include "processes/support/configuration.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <system_error>
+
+namespace waymark {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+template <typename T>
+std::optional<T> ParseWhole(const std::string& text) {
+  // from_chars knows no leading plus; YAML does.
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  if (begin != end && *begin == '+') ++begin;
+  T value{};
+  const auto [rest, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || rest != end) return std::nullopt;
+  return value;
+}
+
+// Sets fields from one YAML document.
+class Loader final : public Describer {
+ public:
+  Loader(YAML::Node root, std::string source, bool has_lines)
+      : source_(std::move(source)), has_lines_(has_lines) {
+    Enter(std::move(root));
+  }
+
+  void Finish() { Leave(); }
+
+  void Number(std::string_view key,
+              double* value,
+              Range range,
+              std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (node) *value = ToNumber(*node, key, range);
+  }
+  void Degrees(std::string_view key,
+               double* value_rad,
+               Range range_deg,
+               std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (node) {
+      *value_rad = ToNumber(*node, key, range_deg) * kRadiansPerDegree;
+    }
+  }
+  void Integer(std::string_view key,
+               std::int64_t* value,
+               std::int64_t min,
+               std::int64_t max,
+               std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (!node) return;
+    const auto parsed = IsPlain(*node)
+                            ? ParseWhole<std::int64_t>(node->Scalar())
+                            : std::nullopt;
+    if (!parsed || *parsed < min || *parsed > max) {
+      Refuse(*node, key, "must be a whole number" + IntegerRange(min, max));
+    }
+    *value = *parsed;
+  }
+  void Flag(std::string_view key,
+            bool* value,
+            std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (!node) return;
+    const bool is_true = IsPlain(*node) && node->Scalar() == "true";
+    if (!is_true && !(IsPlain(*node) && node->Scalar() == "false")) {
+      Refuse(*node, key, "must be true or false");
+    }
+    *value = is_true;
+  }
+  void Text(std::string_view key,
+            std::string* value,
+            std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (!node) return;
+    if (!node->IsScalar()) Refuse(*node, key, "must be text");
+    *value = node->Scalar();
+  }
+  void Numbers(std::string_view key,
+               std::vector<double>* values,
+               int size,
+               std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (!node) return;
+    // An empty list stands for 'not given' only where that is the default.
+    const bool size_fits =
+        node->IsSequence() &&
+        (size < 0 || node->size() == static_cast<std::size_t>(size) ||
+         (node->size() == 0 && values->empty()));
+    if (!size_fits) {
+      Refuse(*node,
+             key,
+             size < 0 ? std::string("must be a list of numbers")
+                      : fmt::format("must be a list of {} numbers", size));
+    }
+    std::vector<double> loaded;
+    for (std::size_t i = 0; i < node->size(); ++i) {
+      loaded.push_back(
+          ToNumber((*node)[i], fmt::format("{}[{}]", key, i), Range{}));
+    }
+    *values = std::move(loaded);
+  }
+  void ChoiceIndex(std::string_view key,
+                   int* index,
+                   const std::vector<std::string>& names,
+                   std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    if (!node) return;
+    const auto found =
+        node->IsScalar() ? std::find(names.begin(), names.end(), node->Scalar())
+                         : names.end();
+    if (found == names.end()) {
+      Refuse(*node,
+             key,
+             fmt::format("must be one of: {}", fmt::join(names, ", ")));
+    }
+    *index = static_cast<int>(found - names.begin());
+  }
+  void Group(std::string_view key,
+             const std::function<void()>& describe,
+             std::string_view /*help*/) override {
+    const std::optional<YAML::Node> node = Take(key);
+    // Without a node the fields are visited all the same, to stay in step.
+    YAML::Node inner(YAML::NodeType::Map);
+    if (node && !node->IsNull()) {
+      if (!node->IsMap()) Refuse(*node, key, "must be a group of keys");
+      inner = *node;
+    }
+    prefix_.emplace_back(key);
+    Enter(inner);
+    describe();
+    Leave();
+    prefix_.pop_back();
+  }
+
+ private:
+  struct Level {
+    YAML::Node node;
+    std::vector<std::string> known;
+  };
+
+  // Checks for keys given twice: yaml-cpp keeps both and finds the first.
+  void Enter(YAML::Node node) {
+    std::set<std::string> seen;
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) {
+        throw InputError(Place(entry.first) + "a key must be a plain word");
+      }
+      if (!seen.insert(entry.first.Scalar()).second) {
+        throw InputError(fmt::format("{}{}: given twice",
+                                     Place(entry.first),
+                                     FullKey(entry.first.Scalar())));
+      }
+    }
+    levels_.push_back(Level{std::move(node), {}});
+  }
+
+  void Leave() {
+    const Level& level = levels_.back();
+    for (const auto& entry : level.node) {
+      const std::string& key = entry.first.Scalar();
+      if (std::find(level.known.begin(), level.known.end(), key) !=
+          level.known.end()) {
+        continue;
+      }
+      throw InputError(fmt::format("{}{}: unknown key; known here: {}",
+                                   Place(entry.first),
+                                   FullKey(key),
+                                   fmt::join(level.known, ", ")));
+    }
+    levels_.pop_back();
+  }
+
+  std::optional<YAML::Node> Take(std::string_view key) {
+    Level& level = levels_.back();
+    level.known.emplace_back(key);
+    for (const auto& entry : level.node) {
+      if (entry.first.Scalar() != key) continue;
+      key_line_ = entry.first.Mark().line;
+      return entry.second;
+    }
+    return std::nullopt;
+  }
+
+  // A scalar without quotes; quotes make it text.
+  static bool IsPlain(const YAML::Node& node) {
+    return node.IsScalar() && node.Tag() != "!";
+  }
+
+  double ToNumber(const YAML::Node& node, std::string_view key, Range range) {
+    const auto parsed =
+        IsPlain(node) ? ParseWhole<double>(node.Scalar()) : std::nullopt;
+    if (!parsed || !std::isfinite(*parsed) || *parsed < range.min ||
+        *parsed > range.max) {
+      Refuse(node, key, "must be a number" + NumberRange(range));
+    }
+    return *parsed;
+  }
+
+  [[noreturn]] void Refuse(const YAML::Node& node,
+                           std::string_view key,
+                           const std::string& allowed) const {
+    std::string value;
+    if (node.IsScalar()) {
+      value = node.Tag() == "!" ? '"' + node.Scalar() + '"' : node.Scalar();
+    } else if (node.IsSequence()) {
+      value = fmt::format("a list of {}", node.size());
+    } else {
+      value = node.IsMap() ? "a group" : "nothing";
+    }
+    throw InputError(fmt::format(
+        "{}{} = {}: {}", Place(node), FullKey(key), value, allowed));
+  }
+
+  std::string FullKey(std::string_view key) const {
+    std::string full;
+    for (const std::string& part : prefix_) full += part + '.';
+    return full + std::string(key);
+  }
+
+  std::string Place(const YAML::Node& node) const {
+    if (!has_lines_) return source_ + ": ";
+    // Marks count from 0. An absent value has none of its own.
+    const int line = node.IsNull() ? key_line_ : node.Mark().line;
+    return fmt::format("{}:{}: ", source_, line + 1);
+  }
+
+ public:
+  static std::string NumberRange(Range range) {
+    const bool has_min = std::isfinite(range.min);
+    const bool has_max = std::isfinite(range.max);
+    // kPositive's end is the smallest positive number.
+    if (range.min == kPositive.min) {
+      return has_max ? fmt::format(" in (0, {}]", range.max) : " > 0";
+    }
+    if (has_min && has_max) {
+      return fmt::format(" in [{}, {}]", range.min, range.max);
+    }
+    if (has_min) return fmt::format(" >= {}", range.min);
+    if (has_max) return fmt::format(" <= {}", range.max);
+    return "";
+  }
+  static std::string IntegerRange(std::int64_t min, std::int64_t max) {
+    const bool has_min = min != std::numeric_limits<std::int64_t>::min();
+    const bool has_max = max != std::numeric_limits<std::int64_t>::max();
+    if (has_min && has_max) return fmt::format(" in [{}, {}]", min, max);
+    if (has_min) return fmt::format(" >= {}", min);
+    if (has_max) return fmt::format(" <= {}", max);
+    return "";
+  }
+
+ private:
+  std::string source_;
+  bool has_lines_;
+  int key_line_ = 0;  // Of the key taken last.
+  std::vector<Level> levels_;
+  std::vector<std::string> prefix_;
+};
+
+void LoadNode(const YAML::Node& root,
+              const std::string& source,
+              bool has_lines,
+              const DescribeFunction& describe) {
+  if (!root.IsNull() && !root.IsMap()) {
+    throw InputError(source + ": must be a list of 'key: value' lines");
+  }
+  Loader loader(root.IsNull() ? YAML::Node(YAML::NodeType::Map) : root,
+                source,
+                has_lines);
+  describe(loader);
+  loader.Finish();
+}
+
+// Shortest digits that read back as the same double.
+std::string Digits(double value) {
+  if (!std::isfinite(value)) {
+    throw std::logic_error("a configuration value is not finite");
+  }
+  char buffer[32];
+  const auto end = std::to_chars(buffer, std::end(buffer), value).ptr;
+  return {buffer, end};
+}
+
+// Degrees that load back as the same radians, with the fewest digits. Not
+// every double is a multiple of pi / 180: beside such one, the nearest that is.
+double DegreesFor(double radians) {
+  const double degrees = radians / kRadiansPerDegree;
+  for (int num_digits = 15; num_digits <= 17; ++num_digits) {
+    const double rounded =
+        std::stod(fmt::format("{:.{}g}", degrees, num_digits));
+    if (rounded * kRadiansPerDegree == radians) return rounded;
+  }
+  double below = degrees;
+  double above = degrees;
+  // The quotient and the product round by half a unit in the last place each.
+  for (int i = 0; i < 4; ++i) {
+    if (below * kRadiansPerDegree == radians) return below;
+    if (above * kRadiansPerDegree == radians) return above;
+    below = std::nextafter(below, -HUGE_VAL);
+    above = std::nextafter(above, HUGE_VAL);
+  }
+  return DegreesFor(degrees * kRadiansPerDegree);
+}
+
+std::string Quoted(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
+}
+
+std::string ListOf(const std::vector<double>& values) {
+  std::vector<std::string> digits;
+  for (const double value : values) digits.push_back(Digits(value));
+  return fmt::format("[{}]", fmt::join(digits, ", "));
+}
+
+// Collects every field with its value as YAML and its allowed range.
+class Collector : public Describer {
+ public:
+  void Number(std::string_view key,
+              double* value,
+              Range range,
+              std::string_view help) override {
+    Add(key, Digits(*value), "number" + Loader::NumberRange(range), help);
+  }
+  void Degrees(std::string_view key,
+               double* value_rad,
+               Range range_deg,
+               std::string_view help) override {
+    Add(key,
+        Digits(DegreesFor(*value_rad)),
+        "number" + Loader::NumberRange(range_deg),
+        help);
+  }
+  void Integer(std::string_view key,
+               std::int64_t* value,
+               std::int64_t min,
+               std::int64_t max,
+               std::string_view help) override {
+    Add(key,
+        std::to_string(*value),
+        "whole number" + Loader::IntegerRange(min, max),
+        help);
+  }
+  void Flag(std::string_view key, bool* value, std::string_view help) override {
+    Add(key, *value ? "true" : "false", "true, false", help);
+  }
+  void Text(std::string_view key,
+            std::string* value,
+            std::string_view help) override {
+    Add(key, Quoted(*value), "text", help);
+  }
+  void Numbers(std::string_view key,
+               std::vector<double>* values,
+               int size,
+               std::string_view help) override {
+    Add(key,
+        ListOf(*values),
+        size < 0 ? "list of numbers" : fmt::format("list of {} numbers", size),
+        help);
+  }
+  void ChoiceIndex(std::string_view key,
+                   int* index,
+                   const std::vector<std::string>& names,
+                   std::string_view help) override {
+    Add(key,
+        names.at(static_cast<std::size_t>(*index)),
+        fmt::format("{}", fmt::join(names, ", ")),
+        help);
+  }
+
+ protected:
+  virtual void Add(std::string_view key,
+                   const std::string& value,
+                   const std::string& allowed,
+                   std::string_view help) = 0;
+};
+
+class Printer final : public Collector {
+ public:
+  void Group(std::string_view key,
+             const std::function<void()>& describe,
+             std::string_view /*help*/) override {
+    text_ += fmt::format("{}{}:\n", indent_, key);
+    indent_ += "  ";
+    describe();
+    indent_.resize(indent_.size() - 2);
+  }
+  std::string text_;
+
+ protected:
+  void Add(std::string_view key,
+           const std::string& value,
+           const std::string& /*allowed*/,
+           std::string_view /*help*/) override {
+    text_ += fmt::format("{}{}: {}\n", indent_, key, value);
+  }
+
+ private:
+  std::string indent_;
+};
+
+class ReferenceWriter final : public Collector {
+ public:
+  void Group(std::string_view key,
+             const std::function<void()>& describe,
+             std::string_view help) override {
+    if (!help.empty())
+      Row(fmt::format("**`{}{}`**", prefix_, key), "", "", help);
+    const std::string outer = prefix_;
+    prefix_ += std::string(key) + '.';
+    describe();
+    prefix_ = outer;
+  }
+  std::string text_ =
+      "| key | default | allowed | meaning |\n"
+      "|---|---|---|---|\n";
+
+ protected:
+  void Add(std::string_view key,
+           const std::string& value,
+           const std::string& allowed,
+           std::string_view help) override {
+    Row(fmt::format("`{}{}`", prefix_, key),
+        fmt::format("`{}`", value),
+        allowed,
+        help);
+  }
+
+ private:
+  void Row(const std::string& key,
+           const std::string& value,
+           const std::string& allowed,
+           std::string_view help) {
+    text_ += fmt::format("| {} | {} | {} | {} |\n", key, value, allowed, help);
+  }
+  std::string prefix_;
+};
+
+}  // namespace
+
+void LoadConfigurationText(std::string_view yaml,
+                           std::string_view source,
+                           const DescribeFunction& describe) {
+  const std::string name(source);
+  std::vector<YAML::Node> documents;
+  try {
+    documents = YAML::LoadAll(std::string(yaml));
+  } catch (const YAML::Exception& error) {
+    throw InputError(
+        fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
+  }
+  if (documents.size() > 1) {
+    throw InputError(name + ": must be one YAML document");
+  }
+  if (!documents.empty()) LoadNode(documents[0], name, true, describe);
+}
+
+void LoadConfigurationFile(const std::string& path,
+                           const DescribeFunction& describe) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw InputError(
+        fmt::format("{}: cannot open: {}", path, std::strerror(errno)));
+  }
+  std::ostringstream text;
+  // Copying sets badbit where reading fails, of a directory for example.
+  if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
+  if (file.bad() || !text) throw InputError(path + ": cannot read");
+  LoadConfigurationText(text.str(), path, describe);
+}
+
+void ApplySetting(std::string_view setting, const DescribeFunction& describe) {
+  const std::string source = fmt::format("--set {}", setting);
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw InputError(source + ": must be key=value, group.key=value");
+  }
+  YAML::Node node;
+  try {
+    node = YAML::Load(std::string(setting.substr(equals + 1)));
+  } catch (const YAML::Exception& error) {
+    throw InputError(source + ": " + error.msg);
+  }
+  std::string_view path = setting.substr(0, equals);
+  while (!path.empty()) {
+    const std::size_t dot = path.rfind('.');
+    const std::string_view key =
+        dot == std::string_view::npos ? path : path.substr(dot + 1);
+    YAML::Node outer(YAML::NodeType::Map);
+    outer.force_insert(std::string(key), node);
+    node.reset(outer);
+    path = dot == std::string_view::npos ? std::string_view{}
+                                         : path.substr(0, dot);
+  }
+  LoadNode(node, source, false, describe);
+}
+
+std::string PrintConfiguration(const DescribeFunction& describe) {
+  Printer printer;
+  describe(printer);
+  return printer.text_;
+}
+
+std::string DescribeConfiguration(const DescribeFunction& describe) {
+  ReferenceWriter writer;
+  describe(writer);
+  return writer.text_;
+}
+
+}  // namespace waymark
