@@ -149,8 +149,8 @@ public final class ImageDecoder {
   private static void checkSize(int width, int height) throws BadImage {
     if (width < 1 || height < 1 || width > MAX_SIDE_PX || height > MAX_SIDE_PX
         || (long) width * height > MAX_AREA_PX) {
-      throw new BadImage("size " + width + " x " + height + " px (allowed: 1 to "
-          + MAX_SIDE_PX + " a side, " + MAX_AREA_PX + " in all)");
+      throw new BadImage("size " + width + " x " + height
+          + " px (allowed: 1 to " + MAX_SIDE_PX + " a side, " + MAX_AREA_PX + " in all)");
     }
   }
 }

@@ -6,8 +6,13 @@ import java.awt.Dimension;
 import java.awt.Font;
 import java.awt.Graphics;
 import java.awt.Graphics2D;
+import java.awt.GridLayout;
 import java.awt.RenderingHints;
+import java.awt.Window;
+import java.awt.event.WindowAdapter;
+import java.awt.event.WindowEvent;
 import java.awt.image.BufferedImage;
+import java.beans.PropertyVetoException;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicReference;
 import javax.swing.JDesktopPane;
@@ -23,8 +28,8 @@ import lcm.lcm.LCMSubscriber;
 import waymark.image_t;
 
 /**
- * A window with the newest image of one channel, scaled to fit, and a line
- * that says what it is. LCM's thread only takes messages in, a thread of the
+ * A window with the newest image of one channel, scaled to fit, and two lines
+ * that say what it is. LCM's thread only takes messages in, a thread of the
  * window decodes the newest one, Swing's thread paints: a slow decoder skips
  * images and holds up nobody.
  */
@@ -33,7 +38,8 @@ final class ImageViewer extends JPanel implements LCMSubscriber {
   // Weight of the newest interval in the shown rate: settles in about 20.
   private static final double RATE_GAIN = 0.1;
 
-  private final JLabel line = new JLabel("no image yet");
+  private final JLabel what = new JLabel(" no image yet");
+  private final JLabel when = new JLabel(" ");
   private final Canvas canvas = new Canvas();
   private final transient AtomicReference<image_t> newest =
       new AtomicReference<>();
@@ -47,22 +53,43 @@ final class ImageViewer extends JPanel implements LCMSubscriber {
   private long lastNanos;
   private long lastSequence = -1;
 
+  /** lcm-spy gives each viewer a window with an empty desktop: fill it. */
   static void open(JDesktopPane desktop, String channel) {
     ImageViewer viewer = new ImageViewer();
     JInternalFrame frame =
         new JInternalFrame(channel + " image", true, true, true, true);
     frame.add(viewer);
-    frame.setSize(660, 560);
+    frame.setSize(480, 380);
+    desktop.add(frame);
+    frame.setVisible(true);
+    try {
+      frame.setMaximum(true);
+    } catch (PropertyVetoException e) {
+      // Stays at its size.
+    }
+    Runnable close = () -> {
+      LCM.getSingleton().unsubscribe(channel, viewer);
+      viewer.close();
+    };
     frame.addInternalFrameListener(new InternalFrameAdapter() {
       @Override
       public void internalFrameClosed(InternalFrameEvent event) {
-        LCM.getSingleton().unsubscribe(channel, viewer);
-        viewer.close();
+        close.run();
       }
     });
-    desktop.add(frame);
-    frame.setVisible(true);
-    frame.toFront();
+    // lcm-spy shows that window after this call.
+    SwingUtilities.invokeLater(() -> {
+      Window window = SwingUtilities.getWindowAncestor(desktop);
+      if (window != null) {
+        window.setSize(680, 590);
+        window.addWindowListener(new WindowAdapter() {
+          @Override
+          public void windowClosing(WindowEvent event) {
+            close.run();
+          }
+        });
+      }
+    });
     Thread decoder = new Thread(viewer::decodeUntilClosed, "image " + channel);
     decoder.setDaemon(true);
     decoder.start();
@@ -71,10 +98,14 @@ final class ImageViewer extends JPanel implements LCMSubscriber {
 
   private ImageViewer() {
     super(new BorderLayout());
-    line.setFont(new Font(Font.MONOSPACED, Font.PLAIN, 12));
     canvas.setPreferredSize(new Dimension(640, 480));
     add(canvas, BorderLayout.CENTER);
-    add(line, BorderLayout.SOUTH);
+    JPanel lines = new JPanel(new GridLayout(2, 1));
+    for (JLabel label : new JLabel[] {what, when}) {
+      label.setFont(new Font(Font.MONOSPACED, Font.PLAIN, 12));
+      lines.add(label);
+    }
+    add(lines, BorderLayout.SOUTH);
   }
 
   @Override
@@ -127,40 +158,51 @@ final class ImageViewer extends JPanel implements LCMSubscriber {
         }
         continue;
       }
-      String text = describe(image);
+      String size = String.format("%d x %d %s  %.1f kB%s", image.width,
+          image.height, ImageDecoder.formatName(image.pixelformat),
+          image.size / 1000.0, angles(image));
+      BufferedImage pixels = null;
+      String reason = "";
       try {
-        BufferedImage pixels = ImageDecoder.decode(image);
-        SwingUtilities.invokeLater(() -> show(pixels, text));
+        pixels = ImageDecoder.decode(image);
       } catch (ImageDecoder.BadImage | OutOfMemoryError e) {
         numBad.incrementAndGet();
-        String reason = "bad image: " + e.getMessage();
-        SwingUtilities.invokeLater(() -> show(null, reason));
+        reason = "  bad image: " + e.getMessage();
       }
+      BufferedImage shown = pixels;
+      String first = " " + size + reason;
+      String second = " " + timing(image);
+      SwingUtilities.invokeLater(() -> show(shown, first, second));
     }
   }
 
-  private void show(BufferedImage pixels, String text) {
-    line.setText(" " + text);
-    line.setToolTipText(text);
+  private void show(BufferedImage pixels, String first, String second) {
+    what.setText(first);
+    what.setToolTipText(first);
+    when.setText(second);
     canvas.image = pixels;
     canvas.repaint();
   }
 
-  private String describe(image_t image) {
+  private static String angles(image_t image) {
     StringBuilder text = new StringBuilder();
-    text.append(String.format("%d x %d %s  %.1f kB", image.width, image.height,
-        ImageDecoder.formatName(image.pixelformat), image.size / 1000.0));
-    text.append(intervalS > 0 ? String.format("  %.1f Hz", 1 / intervalS) : "");
-    text.append("  utime ").append(image.utime);
-    long sequence = ImageDecoder.sequence(image);
-    if (sequence >= 0) {
-      text.append("  seq ").append(sequence).append("  lost ").append(numLost);
-    }
     for (String key : new String[] {"pan", "tilt"}) {
       double angle = ImageDecoder.angle(image, key);
       if (!Double.isNaN(angle)) {
-        text.append(String.format("  %s %.1f\u00b0", key, Math.toDegrees(angle)));
+        text.append(
+            String.format("  %s %.1f\u00b0", key, Math.toDegrees(angle)));
       }
+    }
+    return text.toString();
+  }
+
+  private String timing(image_t image) {
+    StringBuilder text = new StringBuilder();
+    text.append(intervalS > 0 ? String.format("%.1f Hz  ", 1 / intervalS) : "");
+    text.append("utime ").append(image.utime);
+    long sequence = ImageDecoder.sequence(image);
+    if (sequence >= 0) {
+      text.append("  seq ").append(sequence).append("  lost ").append(numLost);
     }
     if (numBad.get() > 0) {
       text.append("  bad ").append(numBad.get());
