@@ -6,19 +6,23 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 namespace waymark {
 namespace {
 
 constexpr std::string_view kRunMark = "_run-";
 
+constexpr double kDiameter = 0.084;  // m, both wheels.
+constexpr double kWheelBase = 0.2;   // m.
+
 // As published for every run.
-struct Wheels {
-  double gear = 43.7;             // Motor turns per wheel turn.
-  double ticks_per_turn = 64.0;   // Of the motor.
-  double diameter_right = 0.084;  // m.
-  double diameter_left = 0.084;   // m.
-  double wheel_base = 0.2;        // m.
+struct Metadata {
+  double gear = 43.7;            // Motor turns per wheel turn.
+  double ticks_per_turn = 64.0;  // Of the motor.
+  // What the robot's own controller was told.
+  double told_diameter = kDiameter;
+  double told_base = kWheelBase;
 };
 
 double PositiveNumber(const TextRecords& records, int column) {
@@ -27,39 +31,55 @@ double PositiveNumber(const TextRecords& records, int column) {
   return value;
 }
 
-Wheels ReadMetadata(const std::string& path) {
-  Wheels wheels;
+Metadata ReadMetadata(const std::string& path) {
+  Metadata metadata;
   TextRecords records(path, TextRecords::Separator::kComma);
   while (records.Next()) {
     const std::string_view key = records.Text(1);
     if (key == "type" && records.Text(2) != "diff") {
       records.FailColumn(2, "\"diff\" needed, a differential drive");
     } else if (key == "ngear") {
-      wheels.gear = PositiveNumber(records, 2);
+      metadata.gear = PositiveNumber(records, 2);
     } else if (key == "encRes") {
-      wheels.ticks_per_turn = PositiveNumber(records, 2);
+      metadata.ticks_per_turn = PositiveNumber(records, 2);
     } else if (key == "Li") {
-      wheels.wheel_base = PositiveNumber(records, 2);
+      metadata.told_base = PositiveNumber(records, 2);
     } else if (key == "Di") {
-      wheels.diameter_right = PositiveNumber(records, 2);
-      wheels.diameter_left = PositiveNumber(records, 3);
+      metadata.told_diameter = PositiveNumber(records, 2);
     }
   }
-  return wheels;
+  return metadata;
 }
 
-OdometryParameters NominalFrom(Time time, const Wheels& wheels) {
-  const double ticks = wheels.ticks_per_turn * wheels.gear;
-  const WheelParameters parameters{kPi * wheels.diameter_right / ticks,
-                                   kPi * wheels.diameter_left / ticks,
-                                   wheels.wheel_base};
+OdometryParameters NominalFrom(Time time, const Metadata& metadata) {
+  const double k = kPi * kDiameter / (metadata.ticks_per_turn * metadata.gear);
   // Diameters are stated to a millimetre; tyres make the effective base
   // differ from the drawing by a few millimetres.
-  return NominalParameters(time,
-                           parameters,
-                           {0.01 * parameters.k_right,
-                            0.01 * parameters.k_left,
-                            0.02 * parameters.wheel_base});
+  return NominalParameters(
+      time, {k, k, kWheelBase}, {0.01 * k, 0.01 * k, 0.02 * kWheelBase});
+}
+
+// What the metadata say beside the run; defaults and a note without them.
+Metadata MetadataFor(const std::filesystem::path& file,
+                     std::vector<std::string>* notes) {
+  const std::string stem = file.stem().string();
+  const std::size_t mark = stem.find(kRunMark);
+  const std::filesystem::path path =
+      file.parent_path() / (stem.substr(0, mark) + "_metadata.csv");
+  if (mark == std::string::npos || !std::filesystem::exists(path)) {
+    notes->push_back("no metadata file: 64 x 43.7 ticks a turn as published");
+    return {};
+  }
+  const Metadata metadata = ReadMetadata(path.string());
+  if (metadata.told_diameter != kDiameter || metadata.told_base != kWheelBase) {
+    std::ostringstream note;
+    note << "metadata state wheels of " << metadata.told_diameter << " m, "
+         << metadata.told_base
+         << " m apart (what the controller was told); nominal stays 0.084 m "
+            "and 0.2 m";
+    notes->push_back(note.str());
+  }
+  return metadata;
 }
 
 void ReadSamples(const std::string& path, Recording* recording) {
@@ -110,33 +130,24 @@ std::vector<std::string> FindOptiodomRuns(const std::string& folder) {
 
 Recording ReadOptiodomRun(const std::string& path) {
   const std::filesystem::path file(path);
-  const std::string stem = file.stem().string();
   Recording recording;
   recording.format = "optiodom_diffdrive";
-  recording.name = stem;
+  recording.name = file.stem().string();
   recording.reference.source = "OptiTrack";
   // Samples at rest scatter by 0.1 mm; what the rigid body's centre is off
   // the axle's middle by is not recorded.
   recording.reference.sigma = {0.001, 0.001, 0.003};
   ReadSamples(path, &recording);
 
-  Wheels wheels;
-  const std::size_t mark = stem.find(kRunMark);
-  const std::filesystem::path metadata =
-      file.parent_path() / (stem.substr(0, mark) + "_metadata.csv");
-  if (mark != std::string::npos && std::filesystem::exists(metadata)) {
-    wheels = ReadMetadata(metadata.string());
-  } else {
-    recording.notes.push_back(
-        "no metadata file: wheels as published (84 mm, base 0.2 m, 64 x 43.7 "
-        "ticks)");
-  }
+  const Metadata metadata = MetadataFor(file, &recording.notes);
   const TruthSample& first = recording.reference.samples.front();
-  recording.nominal = NominalFrom(first.time, wheels);
+  recording.nominal = NominalFrom(first.time, metadata);
+  // Some runs start while the robot turns; one cycle of delay between ticks
+  // and motion capture is then 20 mrad.
   recording.start =
       StatedStart(first.time,
                   {first.p_WS.x(), first.p_WS.y(), *first.heading},
-                  recording.reference.sigma);
+                  {0.002, 0.002, 0.02});
   recording.notes.push_back(
       "assumed: reference good to 1 mm a coordinate and 3 mrad");
   return recording;

@@ -17,9 +17,14 @@ namespace waymark {
 //
 //   time_s, x_m, y_m, heading_rad, right_ticks, left_ticks
 //
-// with the ticks of the cycle that ends at that time (20 Hz), and the wheels
-// from "*_metadata.csv" beside it (ngear, encRes, Li, Di). Without that file
-// the wheels are those of all published runs, and a note says so.
+// with the ticks of the cycle that ends at that time (20 Hz), and the gear and
+// encoder from "*_metadata.csv" beside it (ngear, encRes); without that file
+// they are those of all published runs, and a note says so.
+//
+// Nominal wheels are 84 mm and 0.2 m apart for every run. Some metadata state
+// 85 mm or 0.205 m (Di, Li), but that is what the robot's controller was told
+// in that experiment: fits of these runs give 200.5 mm like those of the
+// others. A note says where they differ.
 //
 // [1] R. B. Sousa, M. R. Petry, P. G. Costa, A. P. Moreira. OptiOdom: a
 //     generic approach for odometry calibration of wheeled mobile robots.
