@@ -3,8 +3,8 @@
 usage: run_benches.py FOLDER [ID|AREA...] [--full] [--json FILE]
 
 Each executable <area>_bench takes [ID...] [--full] [--json FILE], prints its
-own table and writes a list of rows. An AREA runs all rows of one executable,
-an ID (as in Y23) the rows of that id wherever they are.
+own table and writes a list of rows; --list prints its IDs. An AREA runs all
+rows of one executable, an ID (as in Y23) the rows of that id wherever they are.
 """
 
 import argparse
@@ -20,6 +20,14 @@ def refuse(text):
     sys.exit(2)
 
 
+def ids_of(program):
+    """The IDs that an executable knows, each with its meaning."""
+    listed = subprocess.run(
+        [str(program), "--list"], capture_output=True, text=True, check=True
+    ).stdout
+    return dict(line.split("\t", 1) for line in listed.splitlines())
+
+
 def rows_of(program, ids, full, path):
     """Runs one executable; its rows, or None when it failed."""
     command = [str(program), *ids, *(["--full"] if full else [])]
@@ -27,7 +35,7 @@ def rows_of(program, ids, full, path):
     if status != 0:
         print(f"bench: {program.name} ended with {status}", file=sys.stderr)
         return None
-    return json.loads(path.read_text()) if path.exists() else []
+    return json.loads(path.read_text())
 
 
 def main():
@@ -44,34 +52,30 @@ def main():
     }
     if not programs:
         refuse(f"no benchmark in {arguments.folder}")
-    areas = [a for a in arguments.ids if a in programs]
-    ids = [i for i in arguments.ids if i not in programs]
+    known = {area: ids_of(program) for area, program in programs.items()}
+    for wanted in arguments.ids:
+        if wanted not in known and not any(wanted in k for k in known.values()):
+            everything = [
+                f"{area} ({', '.join(ids)})" for area, ids in known.items()
+            ]
+            refuse(f"no benchmark '{wanted}'; there are: {', '.join(everything)}")
     if arguments.json and not arguments.json.absolute().parent.is_dir():
         refuse(f"{arguments.json}: no such folder")
 
     rows, failed = [], []
     with tempfile.TemporaryDirectory() as scratch:
         for area, program in programs.items():
-            whole = area in areas or not arguments.ids
-            if not whole and not ids:
+            ids = [i for i in arguments.ids if i in known[area]]
+            if area in arguments.ids or not arguments.ids:
+                ids = []
+            elif not ids:
                 continue
-            result = rows_of(
-                program,
-                [] if whole else ids,
-                arguments.full,
-                pathlib.Path(scratch) / f"{area}.json",
-            )
+            path = pathlib.Path(scratch) / f"{area}.json"
+            result = rows_of(program, ids, arguments.full, path)
             if result is None:
                 failed.append(area)
             else:
                 rows += result
-    found = {row["id"] for row in rows}
-    unknown = [i for i in ids if i not in found]
-    if unknown and not failed:
-        refuse(
-            f"no row has the id {', '.join(unknown)}; "
-            f"areas are: {', '.join(programs)}"
-        )
     if arguments.json:
         arguments.json.write_text(json.dumps(rows, indent=2) + "\n")
         print(f"bench: {len(rows)} rows written to {arguments.json}")
