@@ -138,8 +138,7 @@ class Walker {
         return 0;
       case FieldKind::kFloat: {
         const auto bits = static_cast<std::uint32_t>(TakeBits(4));
-        visit_(path_,
-               FieldValue(static_cast<double>(std::bit_cast<float>(bits))));
+        visit_(path_, FieldValue(std::bit_cast<float>(bits)));
         return 0;
       }
       case FieldKind::kDouble:

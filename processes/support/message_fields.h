@@ -14,6 +14,7 @@ namespace waymark {
 
 // Views into the message's bytes. An array of bytes is one value.
 using FieldValue = std::variant<std::int64_t,
+                                float,
                                 double,
                                 bool,
                                 std::string_view,

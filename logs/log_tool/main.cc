@@ -1,0 +1,21 @@
+#include "logs/log_tool/commands.h"
+#include "processes/support/run_tool.h"
+
+#include <CLI/CLI.hpp>
+
+int main(int argc, char** argv) {
+  return waymark::RunTool(
+      argc,
+      argv,
+      "waymark-log",
+      "Looks into, mends, cuts and converts LCM logs, by any program.",
+      [](CLI::App* app, int* exit_code) {
+        app->require_subcommand(1);
+        waymark::AddInfoCommand(app, exit_code);
+        waymark::AddCheckCommand(app, exit_code);
+        waymark::AddRepairCommand(app, exit_code);
+        waymark::AddCutCommand(app, exit_code);
+        waymark::AddExportCommand(app, exit_code);
+        // Commands that live in folders of their own:
+      });
+}

@@ -1,0 +1,49 @@
+#include "processes/support/run_tool.h"
+
+#include "processes/support/input_error.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+
+namespace waymark {
+namespace {
+
+constexpr int kFault = 1;
+constexpr int kBadInput = 2;
+
+void PrintError(const std::string& name, std::string what) {
+  std::replace(what.begin(), what.end(), '\n', ' ');
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), what.c_str());
+}
+
+}  // namespace
+
+int RunTool(int argc,
+            char** argv,
+            const std::string& name,
+            const std::string& description,
+            const std::function<void(CLI::App* app, int* exit_code)>& add) {
+  int exit_code = 0;
+  CLI::App app(description, name);
+  try {
+    add(&app, &exit_code);
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);  // Prints what --help asks for.
+  } catch (const CLI::ParseError& error) {
+    PrintError(name, std::string(error.what()) + " (see --help)");
+    return kBadInput;
+  } catch (const InputError& error) {
+    PrintError(name, error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    PrintError(name, std::string("fault: ") + error.what());
+    return kFault;
+  }
+  return exit_code;
+}
+
+}  // namespace waymark
