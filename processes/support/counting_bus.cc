@@ -158,7 +158,7 @@ void CountingBus::SetArrivals(std::size_t subscription,
   counter.num_dropped = num_dropped;
 }
 
-status_t CountingBus::MakeStatus() const {
+status_t CountingBus::MakeStatus() {
   status_t status{};
   status.process = process_;
   status.num_published = num_published_;

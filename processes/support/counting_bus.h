@@ -40,7 +40,7 @@ class CountingBus : public Bus {
 
   // Counts, fault and name; the caller fills in what it knows of time, host
   // and sequence. Subscriptions of the runner itself are left out.
-  [[nodiscard]] virtual status_t MakeStatus() const;
+  [[nodiscard]] virtual status_t MakeStatus();
 
   [[nodiscard]] const std::string& process() const { return process_; }
   [[nodiscard]] const std::vector<Subscription>& subscriptions() const {

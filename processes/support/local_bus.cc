@@ -18,7 +18,7 @@ class LocalBus::Process final : public CountingBus {
         world_(world) {}
 
   [[nodiscard]] bool is_offline() const override { return true; }
-  [[nodiscard]] status_t MakeStatus() const override;
+  [[nodiscard]] status_t MakeStatus() override;
 
   void OnArrival(const RawMessage& message, const Mailbox::Bytes& data);
 
@@ -118,7 +118,7 @@ void LocalBus::Process::PublishRaw(std::string_view channel,
                 {std::string(channel), {data.begin(), data.end()}, {}});
 }
 
-status_t LocalBus::Process::MakeStatus() const {
+status_t LocalBus::Process::MakeStatus() {
   status_t status = CountingBus::MakeStatus();
   status.num_received = 0;
   for (std::size_t i = 0; i < status.channels.size(); ++i) {

@@ -1,0 +1,126 @@
+// The live bus of one process.
+#pragma once
+
+#include "processes/support/counting_bus.h"
+#include "processes/support/mailbox.h"
+#include "processes/support/mutex.h"
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+struct _lcm_t;
+
+namespace waymark {
+
+// A thread of its own drains LCM into mailboxes, since LCM's own queue drops
+// the newest messages and its socket overflows while a handler is busy.
+// Handlers run in the caller's thread, in HandleOne(), in order of arrival.
+//
+// Not thread-safe: one thread constructs, subscribes, publishes, handles.
+class LcmBus final : public CountingBus {
+ public:
+  // `url` as LcmUrl() makes it. Throws InputError where LCM cannot be created
+  // with it: no multicast route, no broker.
+  LcmBus(std::string process, const std::string& url);
+  // Stops and joins; what still waits is dropped.
+  ~LcmBus() override;
+  LcmBus(const LcmBus&) = delete;
+  LcmBus& operator=(const LcmBus&) = delete;
+
+  // Warns once, and shows it as a fault, where another process of the same
+  // name publishes on this bus.
+  void WatchForTwins();
+
+  // Starts to receive; after all subscriptions.
+  void Start();
+  // Stops to receive. What waits can still be handled.
+  void Stop();
+
+  // Handles the message that arrived first; false where none waits. What a
+  // handler throws passes through, and so does what ended the receiving
+  // thread.
+  bool HandleOne();
+
+  // Readable while messages may wait; HandleOne() clears it once none does.
+  [[nodiscard]] int wake_fd() const { return wake_fd_; }
+
+  // With host, pid, times, and what this bus knows of loss; the worst handler
+  // time starts anew.
+  [[nodiscard]] status_t MakeStatus() override;
+
+  [[nodiscard]] bool is_offline() const override { return false; }
+
+  // Bytes that the kernel holds for this process (what it grants is twice
+  // what was asked for), and datagrams that it dropped since they did not fit.
+  // 0 where the transport is not UDP.
+  struct Socket {
+    std::int64_t wanted_bytes = 0;
+    std::int64_t granted_bytes = 0;
+    std::int64_t num_dropped = 0;
+  };
+  [[nodiscard]] Socket socket() const;
+
+ protected:
+  void SubscribeRaw(Subscription subscription) override;
+  void PublishRaw(std::string_view channel,
+                  std::span<const std::uint8_t> data,
+                  Time utime) override;
+  [[nodiscard]] std::string LossAdvice() const override;
+
+ private:
+  using Steady = std::chrono::steady_clock;
+  // One channel at LCM; several subscriptions may share it.
+  struct Route {
+    LcmBus* bus = nullptr;
+    std::string channel;
+    std::vector<std::size_t> subscriptions;
+  };
+  struct LcmCloser {
+    void operator()(_lcm_t* lcm) const;
+  };
+
+  void Receive();
+  void OnReceived(const Route& route,
+                  std::span<const std::uint8_t> data,
+                  Time received);
+  void OnStatusOfTwin(const status_t& status);
+  [[nodiscard]] std::string Faults();
+  void Wake();
+
+  std::string url_;
+  int port_ = 0;
+  std::int64_t wanted_bytes_ = 0;
+  int socket_fd_ = -1;  // LCM's own receiving socket.
+  int wake_fd_ = -1;
+  int stop_fd_ = -1;
+  std::string host_;
+  std::unique_ptr<_lcm_t, LcmCloser> lcm_;
+  std::vector<std::unique_ptr<Route>> routes_;
+  Mailbox mailbox_;
+
+  Steady::duration worst_handler_{0};
+  std::int64_t newest_utime_ = 0;     // Of the message handled last.
+  std::int64_t published_utime_ = 0;  // Of the message published last.
+  std::int64_t clock_offset_us_ = 0;
+  std::int64_t num_unsent_ = 0;
+  std::int64_t num_unsent_shown_ = 0;
+  std::int64_t num_datagrams_shown_ = 0;
+  std::int64_t num_datagrams_warned_ = 0;
+  std::string twin_;
+  Steady::time_point twin_seen_;
+  bool has_warned_of_twin_ = false;
+
+  Mutex failure_mutex_;
+  std::exception_ptr failure_ WAYMARK_GUARDED_BY(failure_mutex_);
+  std::thread receiver_;
+};
+
+}  // namespace waymark

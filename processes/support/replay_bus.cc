@@ -1,0 +1,232 @@
+#include "processes/support/replay_bus.h"
+
+#include "estimation/base/check.h"
+#include "processes/support/counting_bus.h"
+#include "processes/support/input_error.h"
+#include "processes/support/status_reporter.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace waymark {
+
+class ReplayBus::Process final : public CountingBus {
+ public:
+  Process(std::string name, std::string yaml, Impl* world)
+      : CountingBus(std::move(name)),
+        reporter_(this, std::move(yaml)),
+        world_(world) {}
+
+  [[nodiscard]] bool is_offline() const override { return true; }
+
+  void OnMessage(const RawMessage& message) {
+    for (std::size_t i = 0; i < subscriptions().size(); ++i) {
+      if (subscriptions()[i].channel != message.channel) continue;
+      Deliver(i, message.data, ++num_arrived_[i]);
+    }
+  }
+
+  StatusReporter reporter_;
+
+ protected:
+  void SubscribeRaw(Subscription subscription) override {
+    CountingBus::SubscribeRaw(std::move(subscription));
+    num_arrived_.push_back(0);
+  }
+  void PublishRaw(std::string_view channel,
+                  std::span<const std::uint8_t> data,
+                  Time utime) override;
+
+ private:
+  std::vector<std::int64_t> num_arrived_;
+  Impl* world_;
+};
+
+class ReplayBus::Impl {
+ public:
+  explicit Impl(Sink write) : write_(std::move(write)) {}
+
+  void Handle(const LogEvent& event) {
+    now_ = event.time;
+    if (!std::exchange(has_begun_, true)) Report();
+    DeliverQueued();
+    for (const auto& process : processes_) {
+      if (!process->IsOwn(event.channel, event.data)) continue;
+      ++num_left_out_;
+      return;
+    }
+    Deliver(RawMessage{event.channel, event.data, event.time});
+    DeliverQueued();
+    Report();
+  }
+
+  void Finish() {
+    DeliverQueued();
+    for (const auto& process : processes_) {
+      process->reporter_.ReportStatus(now_.time_since_epoch());
+    }
+    DeliverQueued();
+  }
+
+  void Queue(std::string_view channel, std::span<const std::uint8_t> data) {
+    queue_.push_back(
+        RawMessage{std::string(channel), {data.begin(), data.end()}, now_});
+  }
+
+  std::vector<std::unique_ptr<Process>> processes_;
+  bool has_begun_ = false;
+  std::int64_t num_left_out_ = 0;
+
+ private:
+  void Deliver(const RawMessage& message) {
+    if (write_) write_(message.log_time, message.channel, message.data);
+    for (const auto& process : processes_) process->OnMessage(message);
+  }
+
+  void DeliverQueued() {
+    while (!queue_.empty()) {
+      RawMessage message = std::move(queue_.front());
+      queue_.pop_front();
+      message.log_time = now_;  // Published in a constructor: the first event.
+      Deliver(message);
+    }
+  }
+
+  void Report() {
+    for (const auto& process : processes_) {
+      process->reporter_.Report(now_.time_since_epoch());
+    }
+    DeliverQueued();
+  }
+
+  Sink write_;
+  std::deque<RawMessage> queue_;
+  Time now_;
+};
+
+void ReplayBus::Process::PublishRaw(std::string_view channel,
+                                    std::span<const std::uint8_t> data,
+                                    Time /*utime*/) {
+  CountPublished(channel);
+  world_->Queue(channel, data);
+}
+
+ReplayBus::ReplayBus(Sink write)
+    : impl_(std::make_unique<Impl>(std::move(write))) {}
+
+ReplayBus::~ReplayBus() = default;
+
+Bus* ReplayBus::AddProcess(std::string name, std::string yaml) {
+  WAYMARK_CHECK(!impl_->has_begun_, name);
+  impl_->processes_.push_back(
+      std::make_unique<Process>(std::move(name), std::move(yaml), impl_.get()));
+  return impl_->processes_.back().get();
+}
+
+void ReplayBus::Handle(const LogEvent& event) {
+  impl_->Handle(event);
+}
+
+void ReplayBus::Finish() {
+  impl_->Finish();
+}
+
+status_t ReplayBus::Status(std::string_view name) const {
+  for (const auto& process : impl_->processes_) {
+    if (process->process() == name) return process->MakeStatus();
+  }
+  WAYMARK_CHECK(false, "no process", name);
+  return {};
+}
+
+std::int64_t ReplayBus::num_left_out() const {
+  return impl_->num_left_out_;
+}
+
+namespace {
+
+void CheckOutput(const ReplayOptions& options) {
+  std::error_code error;
+  if (!options.log_out.empty() &&
+      std::filesystem::equivalent(options.log_in, options.log_out, error)) {
+    throw InputError(options.log_out + ": is the log that is read");
+  }
+}
+
+}  // namespace
+
+ReplayReport RunReplay(const std::vector<ReplayProcess>& processes,
+                       const ReplayOptions& options) {
+  std::set<std::string> names;
+  std::vector<std::unique_ptr<ProcessSetup>> setups;
+  for (const ReplayProcess& process : processes) {
+    const std::string& name = process.process_class.name;
+    if (!names.insert(name).second) {
+      throw InputError(name + ": named twice; a log has one of each process");
+    }
+    setups.push_back(process.process_class.make_setup());
+    setups.back()->Load(process.config_path, process.settings);
+  }
+  LogReader reader(options.log_in);
+  CheckOutput(options);
+  std::optional<LogWriter> writer;
+  ReplayBus::Sink sink;
+  if (!options.log_out.empty()) {
+    writer.emplace(options.log_out, options.if_exists);
+    sink = [&writer](Time time,
+                     std::string_view channel,
+                     std::span<const std::uint8_t> data) {
+      writer->Write(time, channel, data);
+    };
+  }
+  ReplayBus bus(sink);
+  std::vector<std::unique_ptr<RunningProcess>> running;
+  for (std::size_t i = 0; i < processes.size(); ++i) {
+    ProcessSetup* setup = setups[i].get();
+    running.push_back(setup->Construct(bus.AddProcess(
+        processes[i].process_class.name,
+        PrintConfiguration([setup](Describer& d) { setup->Describe(d); }))));
+  }
+
+  ReplayReport report;
+  while (true) {
+    if (options.stop && options.stop()) {
+      report.was_stopped = true;
+      break;
+    }
+    const std::optional<LogEvent> event = reader.Next();
+    if (!event) break;
+    try {
+      bus.Handle(*event);
+    } catch (const InputError&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw std::runtime_error(fmt::format("{}: event {} ({}): {}",
+                                           options.log_in,
+                                           reader.report().num_events - 1,
+                                           event->channel,
+                                           error.what()));
+    }
+  }
+  for (const auto& process : running) process->Finish();
+  bus.Finish();
+  if (writer) {
+    writer->Close();
+    report.num_written = writer->num_events();
+  }
+  report.read = reader.report();
+  report.num_left_out = bus.num_left_out();
+  for (const ReplayProcess& process : processes) {
+    report.statuses.push_back(bus.Status(process.process_class.name));
+  }
+  return report;
+}
+
+}  // namespace waymark
