@@ -1,3 +1,4 @@
+#include "logs/import/import_command.h"
 #include "logs/log_tool/commands.h"
 #include "processes/support/run_tool.h"
 
@@ -17,5 +18,6 @@ int main(int argc, char** argv) {
         waymark::AddCutCommand(app, exit_code);
         waymark::AddExportCommand(app, exit_code);
         // Commands that live in folders of their own:
+        waymark::AddImportCommand(app, exit_code);
       });
 }

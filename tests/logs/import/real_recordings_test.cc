@@ -2,7 +2,9 @@
 // of this code.
 #include "logs/import/brenner_lego_robot4.h"
 #include "logs/import/censi_joint_calibration.h"
+#include "logs/import/lcm_maebot_logs.h"
 #include "logs/import/optiodom_diffdrive.h"
+#include "logs/import/tuc_labyrinth_diffdrive.h"
 #include "tests/logs/import/import_test_tools.h"
 #include "tests/support/real_data.h"
 
@@ -114,6 +116,87 @@ TEST(RealRecordingsTest, CensiJointCalibration) {
     EXPECT_LT(std::abs(WrapAngle(X_RS.heading - result.X_RS.heading)), 0.05);
   }
   EXPECT_EQ(total, 7691u);
+}
+
+TEST(RealRecordingsTest, TucLabyrinth) {
+  const std::string folder = RealDataFolder("tuc_labyrinth_diffdrive");
+  if (folder.empty()) GTEST_SKIP() << "no real recordings";
+  const Recording recording = ReadTucLabyrinth(folder);
+  EXPECT_EQ(recording.encoders.size(), 233u);
+  EXPECT_EQ(recording.reference.samples.size(), 233u);
+  EXPECT_NEAR(PathLength(recording.reference), 9.25, 0.01);
+  // 9.33 m are stated; 9.41 m where a velocity counts from the stamp before.
+  EXPECT_NEAR(WheelPathLength(recording), 9.37, 0.06);
+  // With the start heading fitted: 64 mm by chords, 63 mm by arcs as here.
+  const TruthSample& first = recording.reference.samples.front();
+  EXPECT_NEAR(DeadReckoningRmse(recording,
+                                recording.nominal.parameters,
+                                first.time,
+                                {first.p_WS.x(), first.p_WS.y(), 2.99615}),
+              0.0632,
+              0.0003);
+}
+
+// Slope and correlation of the reference's turns against differences of
+// ticks, over `stride` samples each.
+struct TurnFit {
+  double rad_per_tick = 0.0;
+  double correlation = 0.0;
+};
+
+TurnFit FitTurns(const Recording& recording, std::size_t stride) {
+  const auto path =
+      DeadReckon(recording.encoders, recording.nominal.parameters);
+  const auto association =
+      Associate(recording.reference.samples, path, AssociationOptions{});
+  const WheelParameters& p = recording.nominal.parameters;
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (std::size_t i = stride; i < association.pairs.size(); i += stride) {
+    const auto& a = association.pairs[i - stride];
+    const auto& b = association.pairs[i];
+    // Back from nominal headings to ticks; turns are well below half a turn.
+    const double x =
+        WrapAngle(b.estimate.X_WR.heading - a.estimate.X_WR.heading) *
+        p.wheel_base / p.k_right;
+    const double y = WrapAngle(*b.truth.heading - *a.truth.heading);
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  return {xy / xx, xy / std::sqrt(xx * yy)};
+}
+
+TEST(RealRecordingsTest, MaebotConvex) {
+  const std::string folder = RealDataFolder("lcm_maebot_logs");
+  if (folder.empty()) GTEST_SKIP() << "no real recordings";
+  const Recording recording = ReadMaebotLog(folder + "/rob550_convex.log");
+  EXPECT_EQ(recording.encoders.size(), 3422u);
+  EXPECT_EQ(recording.reference.samples.size(), 457u);
+  // The robot's clock, in 2015, not the host's.
+  EXPECT_EQ(Microseconds(recording.encoders[0].time), 1'447'367'745'684'375);
+  const TurnFit fit = FitTurns(recording, 5);
+  EXPECT_GT(fit.correlation, 0.998);
+  // 8.38e-5 m per tick and a base of 0.083 m.
+  EXPECT_NEAR(fit.rad_per_tick, 8.38e-5 / 0.083, 0.01e-3);
+  EXPECT_NEAR(recording.nominal.parameters.k_left, 8.38e-5, 0.01e-5);
+}
+
+TEST(RealRecordingsTest, MaebotMotorFeedback) {
+  const std::string folder = RealDataFolder("lcm_maebot_logs");
+  if (folder.empty()) GTEST_SKIP() << "no real recordings";
+  const Recording a0 = ReadMaebotLog(folder + "/eecs467_a0.log");
+  EXPECT_EQ(a0.encoders.size(), 1637u);
+  // Boot clock: event times.
+  EXPECT_EQ(Microseconds(a0.encoders[0].time), 1'416'992'120'280'792);
+  const Recording square =
+      ReadMaebotLog(folder + "/eecs467_square_laser_file.log");
+  EXPECT_EQ(square.encoders.size(), 1340u);
+  EXPECT_NEAR(
+      Seconds(square.encoders.back().time - square.encoders.front().time),
+      67.03,
+      0.01);
 }
 
 }  // namespace
