@@ -106,7 +106,7 @@ check_asan() {
 check_tsan() { TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1 \
   sanitized tsan; }
 
-check_fuzz() { tests/fuzz/run_fuzz.sh "$fuzz_seconds"; }
+check_fuzz() { tests/fuzz/run.sh "$fuzz_seconds"; }
 
 ./run setup check
 failed=()

@@ -94,6 +94,13 @@ class OdometryEkf {
   // measurements (that of the last SetParameters plus the random walk since);
   // 0 where that is 0. Clamped to [0, 1].
   [[nodiscard]] Eigen::Vector3d observability() const;
+  // What observability compares with; for a filter that continues another.
+  [[nodiscard]] const Eigen::Vector3d& prior_variances() const {
+    return prior_variances_;
+  }
+  void set_prior_variances(const Eigen::Vector3d& variances) {
+    prior_variances_ = variances;
+  }
   // Empty: healthy.
   [[nodiscard]] const std::string& fault() const { return fault_; }
 
@@ -111,8 +118,8 @@ class OdometryEkf {
   std::string fault_;
 };
 
-// Why `P` is no covariance ("" if it is): not finite, not symmetric to 1e-9 or
-// an eigenvalue below -1e-9, both after scaling to unit diagonal.
+// Why `P` is no covariance ("" if it is): not finite, not symmetric or with
+// a negative eigenvalue, both to 1e-6 after scaling to unit diagonal.
 [[nodiscard]] std::string CovarianceFault(const OdometryEkf::Matrix6& P);
 
 }  // namespace waymark

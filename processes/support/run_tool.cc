@@ -19,6 +19,17 @@ void PrintError(const std::string& name, std::string what) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), what.c_str());
 }
 
+// CLI11 does not say which commands there are.
+std::string MissingCommand(const CLI::App& app, int argc, char** argv) {
+  std::string text;
+  if (argc > 1) text = std::string("'") + argv[1] + "' is none; ";
+  std::string list;
+  for (const auto* command : app.get_subcommands(nullptr)) {
+    list += (list.empty() ? "" : ", ") + command->get_name();
+  }
+  return text + "needs a command: " + list;
+}
+
 }  // namespace
 
 int RunTool(int argc,
@@ -34,7 +45,11 @@ int RunTool(int argc,
   } catch (const CLI::Success& help) {
     return app.exit(help);  // Prints what --help asks for.
   } catch (const CLI::ParseError& error) {
-    PrintError(name, std::string(error.what()) + " (see --help)");
+    const bool has_command =
+        app.get_require_subcommand_min() == 0 || !app.get_subcommands().empty();
+    PrintError(name,
+               (has_command ? error.what() : MissingCommand(app, argc, argv)) +
+                   " (see --help)");
     return kBadInput;
   } catch (const InputError& error) {
     PrintError(name, error.what());

@@ -36,22 +36,45 @@ expect_refused "no log named" replay
 expect_refused "missing.lcm" replay missing.lcm
 expect_refused "nonsense" setup nonsense
 
-# Without root and sudo: the one apt line, status 2. dpkg-query, sudo and id
-# are played by small scripts; EUID cannot be, so a plain user runs ./run.
-if ((EUID == 0)) && command -v setpriv >/dev/null; then
-  printf '#!/bin/sh\necho "installed g++"\n' >bin/dpkg-query
-  printf '#!/bin/sh\nexit 1\n' >bin/sudo
-  chmod +x bin/*
-  status=0
-  PATH=$PWD/bin:$PATH setpriv --reuid 65534 --clear-groups \
-    bash "$run" setup >out 2>err || status=$?
-  if grep -q 'Permission denied' err; then
-    echo "run_test: a plain user cannot read this folder; that part is left out"
-  else
-    [[ $status == 2 ]] || fail "setup without root: $status: $(cat err)"
-    [[ $(wc -l <err) == 1 ]] || fail "setup without root: $(cat err)"
-    grep -q 'sudo apt-get install -y .*cmake' err || fail "$(cat err)"
-    ! grep -q ' g++' err || fail "asks for what is installed: $(cat err)"
-  fi
+# Installing, on a copy beside which dpkg-query, apt-get and sudo are played by
+# small scripts: g++ alone is installed; apt-get knows no package before it has
+# been updated.
+mkdir clone
+cp "$run" clone/run
+printf '#!/bin/sh\necho "installed g++"\n' >bin/dpkg-query
+printf '#!/bin/sh\nexit 1\n' >bin/sudo
+cat >bin/apt-get <<'APT'
+#!/bin/sh
+echo "$*" >>calls
+case "$*" in
+  *update*) touch updated ;;
+  *install*) test -e updated ;;
+esac
+APT
+chmod +x bin/*
+if ((EUID == 0)); then
+  PATH=$PWD/bin:$PATH clone/run setup >out 2>err || fail "setup: $(cat err)"
+  [[ $(grep -c ' install ' calls) == 2 && $(grep -c update calls) == 1 ]] ||
+    fail "expected install, update, install: $(cat calls)"
+  grep -q ' -y install --no-install-recommends .*cmake' calls ||
+    fail "$(cat calls)"
+  ! grep -qF ' g++' calls || fail "installs what is there: $(cat calls)"
+fi
+
+# Without root and sudo: the one apt line, status 2.
+as_user=()
+if ((EUID == 0)); then
+  command -v setpriv >/dev/null || { echo "run_test: passed"; exit 0; }
+  as_user=(setpriv --reuid 65534 --clear-groups)
+fi
+status=0
+PATH=$PWD/bin:$PATH "${as_user[@]}" bash clone/run setup >out 2>err || status=$?
+if grep -q 'Permission denied' err; then
+  echo "run_test: a plain user cannot read this folder; that part is left out"
+else
+  [[ $status == 2 ]] || fail "setup without root: $status: $(cat err)"
+  [[ $(wc -l <err) == 1 ]] || fail "setup without root: $(cat err)"
+  grep -q 'sudo apt-get install -y .*cmake' err || fail "$(cat err)"
+  ! grep -qF ' g++' err || fail "asks for what is installed: $(cat err)"
 fi
 echo "run_test: passed"

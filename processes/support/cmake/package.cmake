@@ -37,6 +37,5 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2")
 string(CONCAT CPACK_DEBIAN_PACKAGE_SUGGESTS
   "liblcm-java, libjchart2d-java, openjdk-17-jre, python3, g++, cmake, "
-  "liblcm-dev, libyaml-cpp-dev, libspdlog-dev, libcli11-dev, "
-  "nlohmann-json3-dev")
+  "liblcm-dev, libeigen3-dev, libyaml-cpp-dev, libspdlog-dev")
 include(CPack)

@@ -1,0 +1,134 @@
+// Delayed measurements, fused at their own times.
+#pragma once
+
+#include "estimation/base/time.h"
+#include "estimation/filter/estimate_types.h"
+#include "estimation/filter/measurement_types.h"
+#include "estimation/filter/odometry_filter.h"
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace waymark {
+
+struct DelayedFusionOptions {
+  OdometryFilterOptions filter;
+  // A message that arrives while the newest reading is at most this much newer
+  // than it still counts. Estimates older than that are settled.
+  double window_s = 2.0;
+  // A reading this far ahead of all others waits until a second one confirms
+  // that time went on: one wrong stamp must not close the window.
+  double max_ahead_s = 10.0;
+  // So many readings in a row behind the window mean that time itself went
+  // back (a log started over, a clock set): everything starts anew.
+  int restart_after = 20;
+  // Bound of messages waiting for readings; more are dropped.
+  std::size_t max_waiting = 20000;
+};
+
+enum class Arrival {
+  kTaken,
+  kDuplicate,  // Same time, source and sequence as one in the window.
+  kLate,       // Older than the window.
+  kAhead,      // A reading far ahead, not confirmed (yet).
+  kFull,       // Too many wait.
+  kRestarted,  // Taken, and all before it forgotten: time went back.
+};
+
+struct DelayedFusionCounts {
+  std::int64_t num_duplicates = 0;
+  std::int64_t num_late = 0;
+  std::int64_t num_ahead = 0;
+  std::int64_t num_full = 0;
+  std::int64_t num_restarts = 0;
+  std::int64_t num_recomputed = 0;  // Messages that arrived out of order.
+};
+
+// One reading once nothing can change it any more.
+struct Settled {
+  PoseEstimate pose;
+  std::optional<OdometryParameters> parameters;
+  OdometryFilterCounts counts;
+};
+
+// Keeps a history of the window, ordered by (time, rank, source, sequence);
+// ranks: parameters, initial poses, fixes, readings. Two filters run over it:
+// one to the newest reading, that goes back to a checkpoint where a message
+// arrives out of order, and one behind the window, that never goes back. What
+// the latter says depends on the set of messages only, not on their arrival,
+// as long as each arrives within the window: the same bits as
+// OdometryFilter fed in order.
+//
+// Fixes and the like take effect with the first reading at or after their
+// time, so without readings nothing settles. Parameters with source "batch"
+// take effect one window after their time: their computation took a while.
+//
+// Deterministic. Cost: some microseconds per message in order; out of order,
+// those times the messages since.
+class DelayedFusion {
+ public:
+  explicit DelayedFusion(const DelayedFusionOptions& options);
+
+  Arrival AddReading(const EncoderReading& raw, int counter_bits);
+  Arrival AddFix(const AbsoluteFix& fix);
+  Arrival AddInitialPose(const InitialPose& pose);
+  Arrival AddParameters(const OdometryParameters& parameters);
+
+  // Right now, at the newest reading.
+  [[nodiscard]] const OdometryFilter& newest() const { return newest_; }
+  // What settled since the last call, one per reading, oldest first.
+  [[nodiscard]] std::vector<Settled> TakeSettled();
+  // No more messages will come: everything held settles.
+  void Finish();
+  [[nodiscard]] const DelayedFusionCounts& counts() const { return counts_; }
+  // Time of the newest reading, if there is one.
+  [[nodiscard]] std::optional<Time> newest_time() const;
+
+ private:
+  struct Key {
+    Time time;
+    int rank = 0;
+    std::string source;
+    std::int64_t seq = 0;
+    auto operator<=>(const Key&) const = default;
+  };
+  struct Reading {
+    EncoderReading raw;
+    int counter_bits = 0;
+  };
+  using Event = std::variant<OdometryFilter::Measurement, Reading>;
+  struct Checkpoint {
+    Key key;  // Of the last event in it.
+    OdometryFilter filter;
+  };
+
+  Arrival Insert(Key key, Event event);
+  Arrival InsertReading(const EncoderReading& raw, int counter_bits);
+  static bool Feed(const Key& key, const Event& event, OdometryFilter* filter);
+  void CatchUp();
+  void Settle(Time before);
+  [[nodiscard]] bool IsBehindWindow(Time time) const;
+  void Restart();
+
+  DelayedFusionOptions options_;
+  std::map<Key, Event> history_;  // Not settled yet.
+  OdometryFilter settled_filter_;
+  OdometryFilter newest_;
+  std::optional<Key> fed_;  // Last event that `newest_` has seen.
+  std::deque<Checkpoint> checkpoints_;
+  int readings_since_checkpoint_ = 0;
+  std::optional<Time> newest_reading_;
+  std::optional<Reading> ahead_;
+  std::vector<Reading> behind_;  // Late readings in a row.
+  std::vector<Settled> settled_;
+  DelayedFusionCounts counts_;
+};
+
+}  // namespace waymark

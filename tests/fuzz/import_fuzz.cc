@@ -1,0 +1,112 @@
+// Readers of recordings by others. The first byte chooses the format; files
+// of one recording are separated by the byte 0xFF.
+#include "logs/import/brenner_lego_robot4.h"
+#include "logs/import/censi_joint_calibration.h"
+#include "logs/import/optiodom_diffdrive.h"
+#include "tests/fuzz/fuzz_target.h"
+
+#include <cmath>
+
+namespace waymark::fuzz {
+namespace {
+
+void CheckRecording(const Recording& recording) {
+  Time before{};
+  bool first = true;
+  for (const EncoderReading& reading : recording.encoders) {
+    Expect(first || reading.time > before, "encoder times increase");
+    before = reading.time;
+    first = false;
+  }
+  for (const RelativeMotion& motion : recording.motions) {
+    Expect(motion.from < motion.time, "a motion takes time");
+  }
+  Expect(recording.reference.sigma.allFinite(), "finite");
+  (void)PathLength(recording.reference);
+  (void)WheelPathLength(recording);
+}
+
+void Brenner(const std::vector<Bytes>& files) {
+  WriteScratch("robot4_motors.txt", files[0]);
+  WriteScratch("robot4_reference.txt", files[1]);
+  if (files[2].empty()) {
+    RemoveScratch("robot4_scan.txt");
+  } else {
+    WriteScratch("robot4_scan.txt", files[2]);
+  }
+  TakesOrRefuses(
+      [] { CheckRecording(ReadBrennerLegoRobot4(ScratchFolder())); });
+}
+
+void Optiodom(const std::vector<Bytes>& files) {
+  const std::string run = WriteScratch("square_run-01.csv", files[0]);
+  if (files[1].empty()) {
+    RemoveScratch("square_metadata.csv");
+  } else {
+    WriteScratch("square_metadata.csv", files[1]);
+  }
+  TakesOrRefuses([&] { CheckRecording(ReadOptiodomRun(run)); });
+}
+
+void Censi(const std::vector<Bytes>& files) {
+  const std::string path = WriteScratch("lstraight_0.tuple", files[0]);
+  TakesOrRefuses([&] { CheckRecording(ReadCensiTuples(path)); });
+}
+
+void CensiResults(const std::vector<Bytes>& files) {
+  const MemoryFile file(files[0]);
+  TakesOrRefuses([&] {
+    const CensiResult result = ReadCensiResult(file.path());
+    Expect(result.covariance.allFinite(), "finite");
+  });
+}
+
+}  // namespace
+
+void RunOne(Bytes data) {
+  if (data.empty()) return;
+  const std::vector<Bytes> files = Split(data.subspan(1), 3);
+  switch (data[0] % 4) {
+    case 0:
+      return Brenner(files);
+    case 1:
+      return Optiodom(files);
+    case 2:
+      return Censi(files);
+    default:
+      return CensiResults(files);
+  }
+}
+
+std::vector<std::string> Seeds() {
+  const std::string motors =
+      "M 204 20795 20795 3000 0 16067 16066 3000 0 0 0 6000 0\n"
+      "M 524 20800 20794 3000 0 16070 16066 3000 0 0 0 6000 0\n"
+      "M 735 20810 20795 3000 0 16081 16066 3000 0 0 0 6000 0\n";
+  const std::string reference = "P 315 1000 2000\nP 540 1010 2000\n";
+  std::string scan = "S 315 660";
+  for (int i = 0; i < 660; ++i) scan += " " + std::to_string(100 + i);
+  const std::string run =
+      "0.00,0.0,0.0,0.0,0,0\n0.05,0.01,0.0,0.0,10,-9\n"
+      "0.10,0.02,0.0,0.01,11,-10\n";
+  const std::string metadata =
+      "type,diff\nngear,43.7\nencRes,64\nLi,0.2\nDi,0.084,0.084\n";
+  const std::string tuples =
+      "{\"T\": 0.2, \"phi_l\": 1.5, \"phi_r\": 1.4, \"sm\": [0.01, 0, 1e-3]}\n"
+      "{\"T\": 0.2, \"phi_l\": -1, \"phi_r\": 1, \"sm\": [0, 0, 0.1]}\n";
+  std::string result =
+      "{\"l_diam\": 0.04, \"r_diam\": 0.04, \"axle\": 0.09, \"l_x\": 0, "
+      "\"l_y\": 0, \"l_theta\": 0.1, \"covariance\": [";
+  for (int i = 0; i < 6; ++i) {
+    result += i == 0 ? "[1,0,0,0,0,0]" : ",[0,0,1,0,0,0]";
+  }
+  result += "]}";
+  return {std::string(1, '\0') + motors + "\xff" + reference + "\xff" + scan,
+          std::string(1, '\0') + motors + "\xff" + reference,
+          "\x01" + run,
+          "\x01" + run + "\xff" + metadata,
+          "\x02" + tuples,
+          "\x03" + result};
+}
+
+}  // namespace waymark::fuzz
