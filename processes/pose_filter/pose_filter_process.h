@@ -1,0 +1,60 @@
+// Where is the robot, from wheel ticks and absolute measurements.
+#pragma once
+
+#include "estimation/filter/delayed_fusion.h"
+#include "processes/pose_filter/pose_filter_config.h"
+#include "processes/support/bus.h"
+
+#include <waymark/encoders_t.hpp>
+#include <waymark/initial_pose_t.hpp>
+#include <waymark/odometry_parameters_t.hpp>
+#include <waymark/position_fix_t.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace waymark {
+
+// ENCODERS, POSITION_FIX, INITIAL_POSE, ODOMETRY_PARAMETERS (nominal, batch)
+// -> POSE, POSE_BOT and ODOMETRY with each reading, POSE_SETTLED and, once per
+// period, ODOMETRY_PARAMETERS (online) behind the window. The latter two depend
+// on what was sent only, not on when it arrived.
+class PoseFilterProcess {
+ public:
+  using Config = PoseFilterConfig;
+  static constexpr std::string_view kName = "pose_filter";
+
+  // Throws InputError where the parameter file cannot be used.
+  PoseFilterProcess(const Config& config, Bus* bus);
+  // Settles what is held and saves the parameters.
+  void Finish();
+
+ private:
+  void OnEncoders(const encoders_t& message);
+  void OnFix(const position_fix_t& message);
+  void OnInitialPose(const initial_pose_t& message);
+  void OnParameters(const odometry_parameters_t& message);
+  void Report(std::string_view channel, Arrival arrival, Time time);
+  void PublishNewest();
+  void PublishUnknown(Time time, std::string reason);
+  void PublishSettled();
+  void PublishParameters(const Settled& settled);
+  void Save();
+
+  Config config_;
+  Bus* bus_;
+  DelayedFusion fusion_;
+  std::int64_t pose_seq_ = 0;
+  std::int64_t odometry_seq_ = 0;
+  std::int64_t settled_seq_ = 0;
+  std::int64_t parameters_seq_ = 0;
+  std::int64_t num_refused_ = 0;
+  std::optional<Time> parameters_time_;  // Published last.
+  std::optional<Time> save_time_;
+  std::optional<OdometryParameters> learned_;  // Settled.
+  std::string save_fault_;
+};
+
+}  // namespace waymark
