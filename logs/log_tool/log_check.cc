@@ -1,7 +1,7 @@
 #include "logs/log_tool/log_check.h"
 
 #include "logs/log_tool/log_summary.h"
-#include "logs/log_tool/progress.h"
+#include "processes/support/progress.h"
 #include "logs/log_tool/text_table.h"
 #include "processes/support/message_fields.h"
 

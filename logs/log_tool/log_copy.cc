@@ -1,6 +1,6 @@
 #include "logs/log_tool/log_copy.h"
 
-#include "logs/log_tool/progress.h"
+#include "processes/support/progress.h"
 
 #include <charconv>
 #include <cmath>

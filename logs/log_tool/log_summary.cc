@@ -1,7 +1,7 @@
 #include "logs/log_tool/log_summary.h"
 
 #include "logs/log_tool/message_sequence.h"
-#include "logs/log_tool/progress.h"
+#include "processes/support/progress.h"
 #include "logs/log_tool/text_table.h"
 
 #include <algorithm>

@@ -201,6 +201,7 @@ ReplayReport RunReplay(const std::vector<ReplayProcess>& processes,
       report.was_stopped = true;
       break;
     }
+    if (options.progress) options.progress(reader.offset());
     const std::optional<LogEvent> event = reader.Next();
     if (!event) break;
     try {

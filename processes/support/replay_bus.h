@@ -71,6 +71,8 @@ struct ReplayOptions {
   IfExists if_exists = IfExists::kFail;
   // Asked before each event; true ends the run as the end of the log would.
   std::function<bool()> stop;
+  // Told before each event how many bytes of the log were read; may be empty.
+  std::function<void(std::int64_t)> progress;
 };
 
 struct ReplayReport {

@@ -1,4 +1,4 @@
-#include "logs/log_tool/progress.h"
+#include "processes/support/progress.h"
 
 #include <unistd.h>
 
@@ -15,7 +15,12 @@ Progress::Progress(std::string what, std::int64_t total)
 }
 
 Progress::~Progress() {
+  Clear();
+}
+
+void Progress::Clear() {
   if (is_shown_) std::fprintf(stderr, "\r\033[K");
+  is_shown_ = false;
 }
 
 void Progress::Show(std::int64_t done) {

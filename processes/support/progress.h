@@ -12,12 +12,13 @@ class Progress {
  public:
   // `what` is "reading drive.log"; `total` in bytes, at least 0.
   Progress(std::string what, std::int64_t total);
-  // Takes the line away.
-  ~Progress();
+  ~Progress();  // Clears.
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   void Show(std::int64_t done);
+  // Takes the line away, for output that follows.
+  void Clear();
 
  private:
   std::string what_;
