@@ -222,7 +222,7 @@ void OdometryFilter::Apply(Time /*time*/, const AbsoluteFix& fix) {
     ++counts_.num_accepted;
     // Headings alone may agree while the position is far off.
     if (fix.has[0] || fix.has[1]) relocaliser_.reset();
-    if (relocaliser_) relocaliser_->AddFix(fix);
+    if (relocaliser_) (void)relocaliser_->AddFix(fix);
     return;
   }
   ++counts_.num_rejected;
@@ -247,7 +247,7 @@ PoseAligner OdometryFilter::MakeAligner(const Pose2& guess,
 
 void OdometryFilter::Locate(const AbsoluteFix& fix) {
   if (!aligner_) aligner_ = MakeAligner(Pose2{}, false);
-  aligner_->AddFix(fix);
+  if (!aligner_->AddFix(fix)) return;
   const Alignment alignment = aligner_->Solve();
   unknown_ = alignment.reason;
   if (alignment.disagrees && aligner_->num_fixes() >= kManyFixes) {
@@ -264,7 +264,7 @@ void OdometryFilter::Locate(const AbsoluteFix& fix) {
 
 void OdometryFilter::Relocalise(const AbsoluteFix& fix) {
   if (!relocaliser_) relocaliser_ = MakeAligner(ekf_->X_WR(), true);
-  relocaliser_->AddFix(fix);
+  if (!relocaliser_->AddFix(fix)) return;
   const Alignment alignment = relocaliser_->Solve();
   if (alignment.disagrees && relocaliser_->num_fixes() >= kManyFixes) {
     relocaliser_->DropFirst();

@@ -55,6 +55,7 @@ PoseAligner::PoseAligner(const PoseAlignerOptions& options,
 
 void PoseAligner::AddMotion(const WheelTicks& ticks) {
   if (legs_.empty()) return;
+  travel_ += 0.5 * q_(2) * (std::abs(ticks.right) + std::abs(ticks.left));
   std::vector<WheelTicks>& motion = legs_.back().motion;
   if (!motion.empty()) {
     const WheelTicks sum{motion.back().right + ticks.right,
@@ -70,7 +71,10 @@ void PoseAligner::AddMotion(const WheelTicks& ticks) {
   motion.push_back(ticks);
 }
 
-void PoseAligner::AddFix(const AbsoluteFix& fix) {
+bool PoseAligner::AddFix(const AbsoluteFix& fix) {
+  constexpr double kMinTravel = 0.02;
+  if (!legs_.empty() && !fix.has[2] && travel_ < kMinTravel) return false;
+  travel_ = 0.0;
   if (num_fixes() >= options_.max_fixes) {
     DropFirst();
     std::vector<Leg> kept;
@@ -86,6 +90,7 @@ void PoseAligner::AddFix(const AbsoluteFix& fix) {
     legs_ = std::move(kept);
   }
   legs_.push_back({fix, {}});
+  return true;
 }
 
 void PoseAligner::DropFirst() {

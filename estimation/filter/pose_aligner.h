@@ -58,8 +58,11 @@ class PoseAligner {
               const Pose2& guess);
 
   void AddMotion(const WheelTicks& ticks);
-  // Where it is full, forgets the first fix and every second of the others.
-  void AddFix(const AbsoluteFix& fix);
+  // False where the fix was not taken: without a heading, and less than 2 cm
+  // from the last one. Standing still shows no heading, and would push out the
+  // fixes that do. Where it is full, forgets the first fix and every second of
+  // the others.
+  bool AddFix(const AbsoluteFix& fix);
   // Forgets the first fix, on which the prior rests: a faulty one there cannot
   // be told from the others.
   void DropFirst();
@@ -87,6 +90,7 @@ class PoseAligner {
   Eigen::Matrix3d q_covariance_;
   Pose2 guess_;
   std::vector<Leg> legs_;
+  double travel_ = 0.0;  // Since the last fix taken, m.
 };
 
 }  // namespace waymark
