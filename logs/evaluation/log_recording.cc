@@ -77,13 +77,14 @@ LatencySummary SummariseLatency(std::vector<double> ms) {
 class Collector {
  public:
   void Add(const LogEvent& event) {
-    if (!first_) first_ = event.time;
-    last_ = event.time;
+    // A damaged record's time may be anything: it counts as the one before.
+    if (Microseconds(event.time) > 0) last_ = event.time;
+    if (!first_) first_ = last_;
     ChannelHealth& health = recording_.channels[event.channel];
     ++health.num_messages;
     if (!Dispatch(event)) {
       // Not one of ours: the log's own clock.
-      cadences_[event.channel].Add(event.time);
+      cadences_[event.channel].Add(last_);
     }
   }
 
@@ -134,7 +135,8 @@ class Collector {
   template <typename M>
   bool Take(const LogEvent& event) {
     const std::optional<M> message = DecodeAs<M>(event);
-    if (!message || !OnMessage(event, *message)) {
+    // Stamps are positive; differences of positive stamps cannot overflow.
+    if (!message || message->utime <= 0 || !OnMessage(event, *message)) {
       ++recording_.channels[event.channel].num_bad;
       return true;
     }
@@ -155,9 +157,7 @@ class Collector {
     place->second = seq;
   }
 
-  void NoteInput(const LogEvent& event, std::int64_t utime) {
-    input_times_[utime] = event.time;
-  }
+  void NoteInput(std::int64_t utime) { input_times_[utime] = last_; }
 
   bool OnMessage(const LogEvent& event, const truth_t& m) {
     CountSequence(event, m.source, m.seq);
@@ -181,7 +181,7 @@ class Collector {
     std::optional<EncoderReading> reading =
         EncoderReadingFromMessage(m, &reason);
     if (!reading) return false;
-    NoteInput(event, m.utime);
+    NoteInput(m.utime);
     // Late and repeated readings say nothing new: counts are cumulative.
     if (!recording_.readings.empty() &&
         reading->time <= recording_.readings.back().time) {
@@ -199,7 +199,7 @@ class Collector {
     std::string reason;
     const std::optional<AbsoluteFix> fix = AbsoluteFixFromMessage(m, &reason);
     if (!fix) return false;
-    NoteInput(event, m.utime);
+    NoteInput(m.utime);
     recording_.fixes.push_back(*fix);
     return true;
   }
@@ -209,7 +209,7 @@ class Collector {
     std::string reason;
     const auto motion = RelativeMotionFromMessage(m, &reason);
     if (!motion) return false;
-    NoteInput(event, m.utime);
+    NoteInput(m.utime);
     recording_.relative_motions.push_back(*motion);
     return true;
   }
@@ -229,7 +229,7 @@ class Collector {
         input != input_times_.end()) {
       // Microseconds to milliseconds.
       latencies_[event.channel].push_back(
-          static_cast<double>((event.time - input->second).count()) * 1e-3);
+          static_cast<double>((last_ - input->second).count()) * 1e-3);
     }
     if (m.is_known == 0) {
       ++recording_.num_unknown_poses[event.channel];

@@ -105,7 +105,7 @@ class Generator {
     if (i % 10 == 9) {
       WriteFix(i, now);
     } else if (i % 2 == 0 && options_.has_truth) {
-      WriteTruth(i, now);
+      WriteTruth(now);
     }
     if (!options_.has_estimates) return;
     WritePose(kOdometry, i, utime, X_OR);
@@ -133,10 +133,10 @@ class Generator {
     Put(kPositionFix, fix, 0);
   }
 
-  void WriteTruth(int i, const SimulatedReading& now) {
+  void WriteTruth(const SimulatedReading& now) {
     truth_t truth{};
     truth.utime = Microseconds(now.time);
-    truth.seq = i;
+    truth.seq = num_truth_++;
     truth.source = "synthetic";
     truth.has_heading = options_.has_truth_heading ? 1 : 0;
     // S sits 3 cm ahead of the axle and 1 cm to its left.
@@ -216,6 +216,7 @@ class Generator {
   SyntheticLogOptions options_;
   Random random_;
   LogWriter writer_;
+  int num_truth_ = 0;
 };
 
 }  // namespace
