@@ -1,5 +1,6 @@
 #include "logs/evaluation/log_recording.h"
 
+#include "estimation/filter/encoder_counter.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
 
@@ -17,30 +18,6 @@
 
 namespace waymark {
 namespace {
-
-// Removes counter wraps, taking the shorter way round.
-class Unwrapper {
- public:
-  std::int64_t Next(std::int64_t raw, int bits) {
-    if (!has_last_ || bits <= 0 || bits > 62) {
-      total_ += has_last_ ? raw - last_ : 0;
-    } else {
-      const std::int64_t range = std::int64_t{1} << bits;
-      std::int64_t step = (raw - last_) % range;
-      if (step > range / 2) step -= range;
-      if (step < -range / 2) step += range;
-      total_ += step;
-    }
-    last_ = raw;
-    has_last_ = true;
-    return total_;
-  }
-
- private:
-  bool has_last_ = false;
-  std::int64_t last_ = 0;
-  std::int64_t total_ = 0;
-};
 
 // Times of one channel, as rate and longest gap.
 struct Cadence {
@@ -182,13 +159,14 @@ class Collector {
         EncoderReadingFromMessage(m, &reason);
     if (!reading) return false;
     NoteInput(m.utime);
-    // Late and repeated readings say nothing new: counts are cumulative.
-    if (!recording_.readings.empty() &&
-        reading->time <= recording_.readings.back().time) {
-      return true;
-    }
-    reading->right = right_.Next(reading->right, m.counter_bits);
-    reading->left = left_.Next(reading->left, m.counter_bits);
+    const EncoderStep step = counter_.Add(*reading, m.counter_bits);
+    // Refused: late, repeated, or a jump that no wheel can make. Counts are
+    // cumulative, so that the next one makes good for it.
+    if (!step.is_accepted) return true;
+    right_ += std::llround(step.ticks.right);
+    left_ += std::llround(step.ticks.left);
+    reading->right = right_;
+    reading->left = left_;
     recording_.has_virtual_ticks |= m.is_virtual != 0;
     recording_.readings.push_back(*reading);
     return true;
@@ -252,6 +230,11 @@ class Collector {
     std::string reason;
     const auto values = OdometryParametersFromMessage(m, &reason);
     if (!values) return false;
+    // A wheel of a robot indoors; what counts faster has jumped.
+    constexpr double kMaxWheelSpeed = 5.0;  // m/s, as pose_filter's default.
+    counter_.set_max_tick_rate(
+        kMaxWheelSpeed /
+        std::min(values->parameters.k_right, values->parameters.k_left));
     recording_.parameters[values->source].push_back(
         {values->time, values->parameters, values->covariance});
     if (values->sensor) recording_.sensor = values->sensor;
@@ -288,8 +271,9 @@ class Collector {
   LogRecording recording_;
   std::optional<Time> first_;
   Time last_;
-  Unwrapper right_;
-  Unwrapper left_;
+  EncoderCounter counter_;
+  std::int64_t right_ = 0;  // Since the first reading.
+  std::int64_t left_ = 0;
   std::map<std::string, Cadence> cadences_;
   // Key: channel, sender.
   std::map<std::pair<std::string, std::string>, std::int64_t> sequences_;

@@ -1,5 +1,6 @@
 #include "logs/import/import_command.h"
 #include "logs/log_tool/commands.h"
+#include "logs/report/evaluation_commands.h"
 #include "processes/support/run_tool.h"
 
 #include <CLI/CLI.hpp>
@@ -19,5 +20,7 @@ int main(int argc, char** argv) {
         waymark::AddExportCommand(app, exit_code);
         // Commands that live in folders of their own:
         waymark::AddImportCommand(app, exit_code);
+        waymark::AddEvaluateCommand(app, exit_code);
+        waymark::AddReportCommand(app, exit_code);
       });
 }

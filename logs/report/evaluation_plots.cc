@@ -130,7 +130,7 @@ Plot PositionErrorPlot(const LogEvaluation& evaluation) {
   Plot plot;
   plot.title = "Position error";
   plot.x_label = "time, s";
-  plot.y_label = "distance to the reference, mm";
+  plot.y_label = "distance, mm";
   plot.height = 420;  // As the path beside it.
   plot.is_log_y = true;
   plot.y_floor = 0.1;  // mm: below what any reference here resolves.
@@ -177,7 +177,7 @@ Plot NeesPlot(const LogEvaluation& evaluation) {
   Plot plot;
   plot.title = "Consistency (NEES of the position)";
   plot.x_label = "time, s";
-  plot.y_label = "squared error over covariance";
+  plot.y_label = "NEES, no unit";
   plot.is_log_y = true;
   plot.y_floor = 1e-3;
   for (const Shown& shown : kShown) {

@@ -98,7 +98,7 @@ dd { margin: 0; max-width: 90ch; }
   figure { padding: 10px 6px 4px; }
   th, td { padding: 5px 8px; }
   /* The drawing shrinks to the screen; its letters shall not. */
-  .tick { font-size: 15px; } .label { font-size: 16px; }
+  .tick { font-size: 14px; } .label { font-size: 15px; }
 }
 @media print { .plots { display: block; } figure { break-inside: avoid; } }
 )";

@@ -14,7 +14,7 @@ namespace {
 
 // Drawing units; the page scales them. Room for labels left and below.
 constexpr double kWidth = 520.0;
-constexpr double kLeft = 58.0;
+constexpr double kLeft = 68.0;
 constexpr double kRight = 12.0;
 constexpr double kTop = 8.0;
 constexpr double kBottom = 42.0;
