@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -82,6 +83,16 @@ Metadata MetadataFor(const std::filesystem::path& file,
   return metadata;
 }
 
+std::int64_t TicksOfCycle(const TextRecords& records, int column) {
+  const std::int64_t ticks = records.Integer(column);
+  // 50 ms of the fastest motor are some thousands; sums must not overflow.
+  constexpr std::int64_t kMaxTicks = 1'000'000;
+  if (std::abs(ticks) > kMaxTicks) {
+    records.FailColumn(column, "is beyond 1e6 ticks in a cycle");
+  }
+  return ticks;
+}
+
 void ReadSamples(const std::string& path, Recording* recording) {
   TextRecords records(path, TextRecords::Separator::kComma);
   EncoderReading reading;
@@ -97,8 +108,8 @@ void ReadSamples(const std::string& path, Recording* recording) {
         reading.time <= recording->encoders.back().time) {
       records.FailColumn(1, "time does not increase");
     }
-    reading.right += records.Integer(5);
-    reading.left += records.Integer(6);
+    reading.right += TicksOfCycle(records, 5);
+    reading.left += TicksOfCycle(records, 6);
     TruthSample sample;
     sample.time = reading.time;
     sample.p_WS = {records.Number(2), records.Number(3)};

@@ -2,7 +2,9 @@
 // of one recording are separated by the byte 0xFF.
 #include "logs/import/brenner_lego_robot4.h"
 #include "logs/import/censi_joint_calibration.h"
+#include "logs/import/lcm_maebot_logs.h"
 #include "logs/import/optiodom_diffdrive.h"
+#include "logs/import/tuc_labyrinth_diffdrive.h"
 #include "tests/fuzz/fuzz_target.h"
 
 #include <cmath>
@@ -61,20 +63,58 @@ void CensiResults(const std::vector<Bytes>& files) {
   });
 }
 
+void Tuc(const std::vector<Bytes>& files) {
+  WriteScratch("run_Input.txt", files[0]);
+  WriteScratch("run_GT.txt", files[1]);
+  TakesOrRefuses([] { CheckRecording(ReadTucLabyrinth(ScratchFolder())); });
+}
+
+void Maebot(Bytes log) {
+  const MemoryFile file(log);
+  TakesOrRefuses([&] { CheckRecording(ReadMaebotLog(file.path())); });
+}
+
+// A log of two events: encoders, then the given message.
+std::string MaebotLog(const std::string& message) {
+  const auto number = [](std::uint64_t value, int num_bytes) {
+    std::string bytes;
+    for (int i = num_bytes - 1; i >= 0; --i) {
+      bytes += static_cast<char>(value >> (8 * i) & 0xff);
+    }
+    return bytes;
+  };
+  const std::string encoders = number(0x7d090bfb221d74f9, 8) +
+                               number(1'447'367'745'684'375, 8) +
+                               number(344092, 4) + number(475427, 4);
+  std::string log;
+  std::uint64_t count = 0;
+  for (const std::string& data : {encoders, message}) {
+    log += number(0xEDA1DA01, 4) + number(count, 8) +
+           number(1'477'530'571'543'258 + 20'000 * count, 8) + number(1, 4) +
+           number(data.size(), 4) + "E" + data;
+    ++count;
+  }
+  return log;
+}
+
 }  // namespace
 
 void RunOne(Bytes data) {
   if (data.empty()) return;
   const std::vector<Bytes> files = Split(data.subspan(1), 3);
-  switch (data[0] % 4) {
+  switch (data[0] % 6) {
     case 0:
       return Brenner(files);
     case 1:
       return Optiodom(files);
     case 2:
       return Censi(files);
-    default:
+    case 3:
       return CensiResults(files);
+    case 4:
+      return Tuc(files);
+    default:
+      return Maebot(data.subspan(1));
   }
 }
 
@@ -101,12 +141,29 @@ std::vector<std::string> Seeds() {
     result += i == 0 ? "[1,0,0,0,0,0]" : ",[0,0,1,0,0,0]";
   }
   result += "]}";
+  const std::string input =
+      "range2 0.1 2.9 0.01 -0.02 -0.01 105 0\n"
+      "odom2diff 0.1 0 0 0 0.0785 0.0001 0.0001 0.0001\n"
+      "odom2diff 0.2 0.3 0.2 0 0.0785 0.0001 0.0001 0.0001\n";
+  const std::string points =
+      "point2 0.1 1.65 2.2 0 0 0 0\npoint2 0.2 1.66 2.2 0 0 0 0\n";
+  const std::string pose =
+      std::string("\x1f\x31\x7a\xf1\x24\x62\x76\xac") +
+      std::string("\0\x05\x24\x60\x20\x60\x20\x60", 8) +
+      std::string("\x3f\x80\0\0\x3f\x80\0\0\x3f\0\0\0", 12);
+  const std::string laser =
+      std::string("\x89\xdc\x5b\x87\x9a\x50\x56\xcf") +
+      std::string("\0\x05\x24\x60\x20\x60\x20\x60\0\0\0\x02", 12) +
+      std::string(40, '\x3f');
   return {std::string(1, '\0') + motors + "\xff" + reference + "\xff" + scan,
           std::string(1, '\0') + motors + "\xff" + reference,
           "\x01" + run,
           "\x01" + run + "\xff" + metadata,
           "\x02" + tuples,
-          "\x03" + result};
+          "\x03" + result,
+          "\x04" + input + "\xff" + points,
+          "\x05" + MaebotLog(pose),
+          "\x05" + MaebotLog(laser)};
 }
 
 }  // namespace waymark::fuzz

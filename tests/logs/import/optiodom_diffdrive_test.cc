@@ -121,6 +121,8 @@ TEST(OptiodomTest, BadInputNamesFileAndLine) {
               EndsWith(":3: column 1: time does not increase"));
   EXPECT_THAT(error(good + good),
               EndsWith(":2: column 1: time does not increase"));
+  EXPECT_THAT(error("0,0,0,0,0,1e7\n"),
+              EndsWith(":1: column 6: is beyond 1e6 ticks in a cycle"));
   EXPECT_THAT(error("-1,0,0,0,0,0\n"), HasSubstr(":1: column 1: is no time"));
   EXPECT_THAT(error(""), EndsWith("7_run-01.csv: is empty"));
   EXPECT_THAT(error("\n"), EndsWith("7_run-01.csv: has no records"));
