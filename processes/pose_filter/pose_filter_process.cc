@@ -26,6 +26,11 @@ DelayedFusionOptions OptionsOf(const PoseFilterConfig& config) {
 
 PoseFilterProcess::PoseFilterProcess(const Config& config, Bus* bus)
     : config_(config), bus_(bus), fusion_(OptionsOf(config)) {
+  for (const auto channel : {kPose, kPoseSettled, kOdometry}) {
+    bus->Advertise<pose_t>(channel);
+  }
+  bus->Advertise<bot_pose_t>(kPoseBot);
+  bus->Advertise<odometry_parameters_t>(kOdometryParameters, "online");
   bus->Subscribe<encoders_t>(
       kEncoders, Keep::All(), [this](const encoders_t& m, Time) {
         OnEncoders(m);
