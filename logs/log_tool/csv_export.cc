@@ -1,10 +1,10 @@
 #include "logs/log_tool/csv_export.h"
 
 #include "logs/log_tool/output_file.h"
-#include "processes/support/progress.h"
 #include "processes/support/input_error.h"
 #include "processes/support/log_file.h"
 #include "processes/support/message_fields.h"
+#include "processes/support/progress.h"
 
 #include <algorithm>
 #include <filesystem>

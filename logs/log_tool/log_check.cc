@@ -1,9 +1,9 @@
 #include "logs/log_tool/log_check.h"
 
 #include "logs/log_tool/log_summary.h"
-#include "processes/support/progress.h"
 #include "logs/log_tool/text_table.h"
 #include "processes/support/message_fields.h"
+#include "processes/support/progress.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "logs/log_tool/log_summary.h"
 
 #include "logs/log_tool/message_sequence.h"
-#include "processes/support/progress.h"
 #include "logs/log_tool/text_table.h"
+#include "processes/support/progress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,6 +56,8 @@ class ChannelCollector {
       summary_.longest_gap = to - from;
       summary_.longest_gap_start = from;
     }
+    // An appended log starts over: no interval.
+    if (interval_s < 0.0) return;
     ++num_intervals_;
     const double step = interval_s - mean_s_;
     mean_s_ += step / static_cast<double>(num_intervals_);

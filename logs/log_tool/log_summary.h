@@ -19,7 +19,8 @@ struct ChannelSummary {
   // Event times; the rest follows from them and from their order in the file.
   Time first;
   Time last;
-  double rate_hz = 0.0;    // 0 with fewer than two events.
+  // Over the intervals that are not negative; 0 with fewer than two events.
+  double rate_hz = 0.0;
   double jitter_s = 0.0;   // Standard deviation of the intervals.
   Duration longest_gap{};  // Between two events.
   Time longest_gap_start;

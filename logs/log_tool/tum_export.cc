@@ -1,11 +1,11 @@
 #include "logs/log_tool/tum_export.h"
 
 #include "logs/log_tool/output_file.h"
-#include "processes/support/progress.h"
 #include "logs/log_tool/text_table.h"
 #include "processes/support/input_error.h"
 #include "processes/support/log_file.h"
 #include "processes/support/message_fields.h"
+#include "processes/support/progress.h"
 
 #include <array>
 #include <cmath>

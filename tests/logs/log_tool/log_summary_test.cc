@@ -58,6 +58,20 @@ TEST_F(LogSummaryTest, JitterLongestGapAndLoss) {
   EXPECT_EQ(channel.num_lost, 2);  // 2 and 3; the last 0 is a restart.
 }
 
+// Two logs in one file, as lcm-logger -a leaves them.
+TEST_F(LogSummaryTest, AppendedLogsKeepTheirRates) {
+  WriteDrive();
+  auto bytes = ReadBytes(log_);
+  const auto once = bytes;
+  bytes.insert(bytes.end(), once.begin(), once.end());
+  WriteBytes(log_, bytes);
+  TypeTable types("");
+  const LogSummary summary = SummariseLog(log_, &types);
+  EXPECT_TRUE(summary.report.is_sound());
+  EXPECT_EQ(summary.channels.at(0).num_events, 40);
+  EXPECT_NEAR(summary.channels.at(0).rate_hz, 10.0, 1e-9);
+}
+
 TEST_F(LogSummaryTest, SendersCountForThemselves) {
   {
     LogWriter writer(log_);
