@@ -37,6 +37,9 @@ constexpr std::size_t kMaxChannelBytes = 63;
 // A twin that has been silent for some of its 1 Hz reports is gone.
 constexpr std::chrono::seconds kTwinTimeout{5};
 
+// A message this much older than the newest is not late: time went back.
+constexpr std::uint64_t kLateMicroseconds = 10'000'000;
+
 std::string HostName() {
   std::array<char, 256> name{};
   ::gethostname(name.data(), name.size() - 1);
@@ -260,10 +263,25 @@ bool LcmBus::HandleOne() {
   const auto utime = Deliver(item->subscription, *item->data, item->arrival);
   worst_handler_ = std::max(worst_handler_, Steady::now() - begin);
   if (utime && subscriptions()[item->subscription].channel != kStatus) {
-    newest_utime_ = *utime;
-    clock_offset_us_ = Microseconds(item->received) - *utime;
+    NoteTime(*utime, Microseconds(item->received));
   }
   return true;
+}
+
+void LcmBus::NoteTime(std::int64_t utime, std::int64_t received_utime) {
+  // Late messages do not set the time back; a log that is played again, a
+  // clock that was set, or the message after one from the far future does.
+  // Unsigned: a sender's utime may be anything.
+  const auto difference = [](std::int64_t a, std::int64_t b) {
+    return static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b);
+  };
+  if (utime < newest_utime_ &&
+      difference(newest_utime_, utime) < kLateMicroseconds) {
+    return;
+  }
+  newest_utime_ = utime;
+  clock_offset_us_ =
+      static_cast<std::int64_t>(difference(received_utime, utime));
 }
 
 void LcmBus::PublishRaw(std::string_view channel,

@@ -91,6 +91,7 @@ class LcmBus final : public CountingBus {
   void OnReceived(const Route& route,
                   std::span<const std::uint8_t> data,
                   Time received);
+  void NoteTime(std::int64_t utime, std::int64_t received_utime);
   void OnStatusOfTwin(const status_t& status);
   [[nodiscard]] std::string Faults();
   void Wake();
@@ -107,7 +108,7 @@ class LcmBus final : public CountingBus {
   Mailbox mailbox_;
 
   Steady::duration worst_handler_{0};
-  std::int64_t newest_utime_ = 0;     // Of the message handled last.
+  std::int64_t newest_utime_ = 0;     // Of those handled.
   std::int64_t published_utime_ = 0;  // Of the message published last.
   std::int64_t clock_offset_us_ = 0;
   std::int64_t num_unsent_ = 0;

@@ -99,12 +99,21 @@ int RunLive(const ProcessClass& process_class,
             const Flags& flags) {
   // Before LCM makes its threads, which inherit what is blocked.
   Signals signals;
-  LcmBus bus(process_class.name, LcmUrl(flags.lcm_url));
+  const std::string url = LcmUrl(flags.lcm_url);
+  LcmBus bus(process_class.name, url);
   const std::unique_ptr<RunningProcess> process = setup->Construct(&bus);
   bus.WatchForTwins();
   StatusReporter reporter(
       &bus, PrintConfiguration([setup](Describer& d) { setup->Describe(d); }));
   bus.Start();
+  const LcmBus::Socket socket = bus.socket();
+  spdlog::info("live on {}{}",
+               url,
+               socket.granted_bytes < socket.wanted_bytes
+                   ? fmt::format(", with {} of {} KiB of receive buffer",
+                                 socket.granted_bytes / 1024,
+                                 socket.wanted_bytes / 1024)
+                   : "");
   while (!signals.Take()) {
     reporter.Report(SteadyNow());
     if (!bus.HandleOne()) Wait(bus, signals, *reporter.next_status());
