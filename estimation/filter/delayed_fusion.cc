@@ -1,5 +1,7 @@
 #include "estimation/filter/delayed_fusion.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace waymark {
@@ -47,16 +49,8 @@ Arrival DelayedFusion::Insert(Key key, Event event) {
     ++counts_.num_duplicates;
     return Arrival::kDuplicate;
   }
-  if (history_.size() > options_.max_waiting) {
-    // The farthest in the future goes; it cannot have been fed yet unless it
-    // is the newest reading's past, which the window bounds.
-    const auto last = std::prev(history_.end());
-    const bool own = last == place;
-    if (!fed_ || *fed_ < last->first) {
-      history_.erase(last);
-      ++counts_.num_full;
-      if (own) return Arrival::kFull;
-    }
+  if (history_.size() > options_.max_waiting && DropOneWaiting(key)) {
+    return Arrival::kFull;
   }
   if (fed_ && key < *fed_) {
     ++counts_.num_recomputed;
@@ -73,6 +67,29 @@ Arrival DelayedFusion::Insert(Key key, Event event) {
     }
   }
   return Arrival::kTaken;
+}
+
+// Where more wait for readings than may, the farthest in the future goes. True
+// where that is the one at `key`.
+bool DelayedFusion::DropOneWaiting(const Key& key) {
+  const auto first = newest_reading_ ? std::find_if(history_.rbegin(),
+                                                    history_.rend(),
+                                                    [this](const auto& item) {
+                                                      return item.first.time <=
+                                                             *newest_reading_;
+                                                    })
+                                           .base()
+                                     : history_.begin();
+  const auto num_waiting = std::distance(first, history_.end());
+  const auto last = std::prev(history_.end());
+  if (num_waiting <= static_cast<std::ptrdiff_t>(options_.max_waiting) ||
+      last->first.rank == kReading) {
+    return false;
+  }
+  const bool is_own = last->first == key;
+  history_.erase(last);
+  ++counts_.num_full;
+  return is_own;
 }
 
 // Feeds `newest_` up to the newest reading.

@@ -29,7 +29,7 @@ struct DelayedFusionOptions {
   // So many readings in a row behind the window mean that time itself went
   // back (a log started over, a clock set): everything starts anew.
   int restart_after = 20;
-  // Bound of messages waiting for readings; more are dropped.
+  // Bound of messages newer than the newest reading; more are dropped.
   std::size_t max_waiting = 20000;
 };
 
@@ -112,6 +112,7 @@ class DelayedFusion {
   Arrival Insert(Key key, Event event);
   Arrival InsertReading(const EncoderReading& raw, int counter_bits);
   static bool Feed(const Key& key, const Event& event, OdometryFilter* filter);
+  bool DropOneWaiting(const Key& key);
   void CatchUp();
   void Settle(Time before);
   [[nodiscard]] bool IsBehindWindow(Time time) const;

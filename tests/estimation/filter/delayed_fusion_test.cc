@@ -332,7 +332,7 @@ TEST(DelayedFusion, FutureFixesWaitInBoundedNumber) {
   for (int i = 1; i < 40; ++i) {
     fix.time = Still(10.0 * i, 0).time;
     fix.seq = i;
-    EXPECT_EQ(fusion.AddFix(fix), i < 10 ? Arrival::kTaken : Arrival::kFull);
+    EXPECT_EQ(fusion.AddFix(fix), i <= 10 ? Arrival::kTaken : Arrival::kFull);
   }
   EXPECT_EQ(fusion.AddReading(Still(0.05, 1), 0), Arrival::kTaken);
 }
