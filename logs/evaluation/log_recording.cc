@@ -4,9 +4,11 @@
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
 
+#include <waymark/bot_pose_t.hpp>
 #include <waymark/config_t.hpp>
 #include <waymark/encoders_t.hpp>
 #include <waymark/odometry_parameters_t.hpp>
+#include <waymark/planar_lidar_t.hpp>
 #include <waymark/pose_t.hpp>
 #include <waymark/position_fix_t.hpp>
 #include <waymark/relative_motion_t.hpp>
@@ -70,6 +72,7 @@ class Collector {
     for (auto& [channel, cadence] : cadences_) {
       ChannelHealth& health = recording_.channels[channel];
       health.longest_gap_s = cadence.longest_gap_s;
+      if (!cadence.first) continue;
       const double span = Seconds(cadence.last - *cadence.first);
       const auto num = health.num_messages - health.num_bad;
       if (span > 0.0 && num > 1) {
@@ -106,18 +109,23 @@ class Collector {
     }
     if (channel == kStatus) return Take<status_t>(event);
     if (channel == kConfig) return Take<config_t>(event);
+    if (channel == kPoseBot) return Take<bot_pose_t>(event);
+    if (channel == kRanges) return Take<planar_lidar_t>(event);
     return false;
   }
 
   template <typename M>
   bool Take(const LogEvent& event) {
     const std::optional<M> message = DecodeAs<M>(event);
-    // Stamps are positive; differences of positive stamps cannot overflow.
-    if (!message || message->utime <= 0 || !OnMessage(event, *message)) {
+    // Differences of stamps that are not negative cannot overflow. Before its
+    // first input a process states its health at time 0.
+    if (!message || message->utime < 0 || !OnMessage(event, *message)) {
       ++recording_.channels[event.channel].num_bad;
       return true;
     }
-    cadences_[event.channel].Add(TimeFromMicroseconds(message->utime));
+    if (message->utime > 0) {
+      cadences_[event.channel].Add(TimeFromMicroseconds(message->utime));
+    }
     return true;
   }
 
@@ -151,6 +159,10 @@ class Collector {
     recording_.truth_source = m.source;
     return true;
   }
+
+  // Of these only the times are looked at.
+  bool OnMessage(const LogEvent&, const bot_pose_t&) { return true; }
+  bool OnMessage(const LogEvent&, const planar_lidar_t&) { return true; }
 
   bool OnMessage(const LogEvent& event, const encoders_t& m) {
     CountSequence(event, "", m.seq);

@@ -222,7 +222,9 @@ std::string HealthTables(const LogRecording& recording) {
   }
   text += Table(rows);
   text += fmt::format(
-      "<p class=\"small\">Rates and gaps by the messages' own clock. {} "
+      "<p class=\"small\">Rates and gaps by the messages' own clock where "
+      "their type is "
+      "known. {} "
       "Log: {} events, {} bytes{}.</p>\n",
       recording.latency.empty()
           ? "Latency is absent: the log was made offline."

@@ -76,6 +76,7 @@ figure > svg { width: 100%; height: auto; display: block; }
 .frame { fill: none; stroke: var(--soft); stroke-width: 1; }
 .tick { font-size: 11.5px; fill: var(--soft); }
 .label { font-size: 12.5px; fill: var(--ink); }
+.three .tick { font-size: 14.5px; } .three .label { font-size: 15.5px; }
 .line { fill: none; stroke: currentColor; stroke-width: 1.6;
   stroke-linejoin: round; }
 .dashed { stroke-dasharray: 6 4; }

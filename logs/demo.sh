@@ -1,0 +1,197 @@
+#!/usr/bin/env bash
+# Plays recordings of real robots through LCM and shows what came of it.
+# Started by ./run demo, which builds first.
+set -euo pipefail
+
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+bin=${WAYMARK_BUILD:-$root/build}/bin
+data=${WAYMARK_DATA:-$root/../shared/data}
+out=$root/out/demo
+speed=6
+wanted=()
+
+usage() {
+  cat <<TEXT
+usage: ./run demo [NAME...] [--speed X] [--out FOLDER]
+
+Imports recordings of real robots, plays them by lcm-logplayer to pose_filter
+and batch_refiner, records by lcm-logger, evaluates, and writes
+FOLDER/report.html (out/demo). NAME: lego, square, circular, ivanjko, maebot,
+or one of logs/samples; without a name all recordings. They are looked for in
+WAYMARK_DATA (shared/data beside the clone); without them logs/samples are
+played. --speed: multiple of the recorded speed (6).
+TEXT
+}
+say() { printf '%s\n' "$*"; }
+refuse() { printf 'demo: %s\n' "$*" >&2; exit 2; }
+
+inside=0
+arguments=("$@")
+while (($#)); do
+  case $1 in
+    -h | --help) usage; exit 0 ;;
+    --speed) speed=${2:?demo: --speed needs a number}; shift ;;
+    --out) out=$(realpath -m "${2:?demo: --out needs a folder}"); shift ;;
+    --inside) inside=1 ;; # In the network namespace that this script made.
+    -*) refuse "unknown flag '$1' (see --help)" ;;
+    *) wanted+=("$1") ;;
+  esac
+  shift
+done
+[[ $speed =~ ^[0-9]+(\.[0-9]+)?$ && ! $speed =~ ^0*(\.0*)?$ ]] ||
+  refuse "--speed: '$speed' is no positive number"
+for tool in waymark-log waymark-wait pose_filter batch_refiner; do
+  [[ -x $bin/$tool ]] || refuse "$bin/$tool is missing: run ./run build"
+done
+
+# ---- what to play ----------------------------------------------------------
+
+# name|input of the importer
+recordings=(
+  "lego|brenner_lego_robot4"
+  "square|optiodom_diffdrive/square/230620202042/230620202042_run-01.csv"
+  "circular|optiodom_diffdrive/circular/231220200121/231220200121_run-01.csv"
+  "ivanjko|optiodom_diffdrive/ivanjko/231220200057/231220200057_run-01.csv"
+  "maebot|lcm_maebot_logs/rob550_convex.log"
+)
+is_wanted() {
+  ((${#wanted[@]})) || return 0
+  local name
+  for name in "${wanted[@]}"; do [[ $name != "$1" ]] || return 0; done
+  return 1
+}
+names=()
+inputs=()
+kinds=()
+for recording in "${recordings[@]}"; do
+  name=${recording%%|*}
+  input=$data/${recording#*|}
+  if is_wanted "$name" && [[ -e $input ]]; then
+    names+=("$name") inputs+=("$input") kinds+=(import)
+  fi
+done
+use_samples=0
+if ((${#names[@]} == 0 || ${#wanted[@]})); then
+  for input in "$root"/logs/samples/*.log "$root"/logs/samples/*.lcm; do
+    [[ -e $input ]] || continue
+    name=$(basename "${input%.*}")
+    if ((${#wanted[@]} == 0)) || is_wanted "$name"; then
+      names+=("$name") inputs+=("$input") kinds+=(sample)
+      use_samples=1
+    fi
+  done
+fi
+for name in "${wanted[@]+"${wanted[@]}"}"; do
+  [[ " ${names[*]-} " == *" $name "* ]] ||
+    refuse "no recording '$name' in $data, nor in $root/logs/samples"
+done
+((${#names[@]})) || refuse "nothing to play in $data, nor in logs/samples"
+
+# ---- a network for LCM -----------------------------------------------------
+
+# Without a multicast route LCM cannot start. A network of this script's own
+# has one, and ends with it.
+if ((!inside)) && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
+  own=(unshare --net)
+  ((EUID == 0)) || own=(unshare --map-root-user --net)
+  if "${own[@]}" true 2>/dev/null; then
+    say "demo: no multicast route here: playing in a network namespace of its own"
+    exec "${own[@]}" bash -c 'ip link set lo up &&
+      ip route add 224.0.0.0/4 dev lo && exec "$@"' \
+      bash "${BASH_SOURCE[0]}" "${arguments[@]+"${arguments[@]}"}" --inside
+  fi
+  refuse "LCM needs a multicast route: sudo ip route add 224.0.0.0/4 dev lo"
+fi
+# A port that nobody listens on: other LCM programs hear nothing of this.
+for ((port = 20000 + $$ % 20000; ; ++port)); do
+  grep -q ":$(printf '%04X' "$port") " /proc/net/udp || break
+done
+url="udpm://239.255.76.67:$port?ttl=0"
+
+# ---- one demo at a time in one folder --------------------------------------
+
+mkdir -p "$out" || refuse "$out: cannot be made"
+exec 9>"$out/.lock"
+flock -n 9 || refuse "another demo is writing to $out; use --out FOLDER"
+
+launcher_pid=0
+player_pid=0
+cleanup() {
+  trap - EXIT INT TERM
+  if ((player_pid)); then kill "$player_pid" 2>/dev/null || true; fi
+  if ((launcher_pid)); then
+    kill "$launcher_pid" 2>/dev/null || true
+    wait "$launcher_pid" 2>/dev/null || true
+  fi
+}
+trap cleanup EXIT
+trap 'cleanup; echo "demo: interrupted" >&2; exit 130' INT TERM
+
+# ---- play ------------------------------------------------------------------
+
+# The newest line that a process wrote, where something went wrong.
+blame() {
+  local file
+  for file in "$1"/*.txt; do
+    [[ -s $file ]] || continue
+    printf '  %s: %s\n' "$(basename "$file" .txt)" "$(tail -n 1 "$file")" >&2
+  done
+}
+
+# play NAME INPUT: real LCM from the player to the recorded log.
+play() {
+  local name=$1 input=$2
+  local folder=$out/processes/$name
+  rm -rf "$folder"
+  mkdir -p "$folder"
+  # Stopped from the last to the first: the recorder hears the others' end.
+  cat >"$folder/list" <<LIST
+lcm_logger: lcm-logger --quiet --force --lcm-url='$url' '$out/$name.lcm'
+pose_filter: '$bin/pose_filter' --lcm-url '$url'
+batch_refiner: '$bin/batch_refiner' --lcm-url '$url'
+LIST
+  # Batch results of long recordings take their time at the end.
+  WAYMARK_STOP_S=60 "$root/procman/launcher.sh" "$folder/list" "$folder" \
+    9>&- &
+  launcher_pid=$!
+  "$bin/waymark-wait" status pose_filter batch_refiner --timeout 30 \
+    --lcm-url "$url" || { blame "$folder"; return 1; }
+  lcm-logplayer --lcm-url="$url" --speed="$speed" "$input" \
+    </dev/null >"$folder/lcm_logplayer.txt" 2>&1 9>&- &
+  player_pid=$!
+  wait "$player_pid" || { blame "$folder"; return 1; }
+  player_pid=0
+  "$bin/waymark-wait" idle --for 0.7 --timeout 30 --lcm-url "$url" || true
+  kill "$launcher_pid"
+  wait "$launcher_pid" || { launcher_pid=0; blame "$folder"; return 1; }
+  launcher_pid=0
+}
+
+if ((use_samples && ${#wanted[@]} == 0)); then
+  say "demo: no recordings in $data: playing simulated ones, logs/samples"
+fi
+mkdir -p "$out/in"
+begin=$SECONDS
+recorded=()
+for i in "${!names[@]}"; do
+  name=${names[i]}
+  input=${inputs[i]}
+  if [[ ${kinds[i]} == import ]]; then
+    input=$out/in/$name.lcm
+    "$bin/waymark-log" import --force "${inputs[i]}" "$input" \
+      >"$out/in/$name.txt" 2>&1 || { cat "$out/in/$name.txt" >&2; exit 1; }
+  fi
+  say "demo: [$((i + 1))/${#names[@]}] $name: playing ${inputs[i]#"$data"/} at $speed times its speed"
+  play "$name" "$input" || { say "demo: $name failed; see $out/processes/$name" >&2; exit 1; }
+  recorded+=("$out/$name.lcm")
+done
+
+# ---- show ------------------------------------------------------------------
+
+say "demo: played in $((SECONDS - begin)) s; evaluating"
+say ""
+"$bin/waymark-log" report "${recorded[@]}" --out "$out/report.html" \
+  --json "$out/report.json"
+say ""
+say "report:  $out/report.html   (details: ./run waymark-log evaluate LOG)"
+say "logs:    $out/*.lcm"
