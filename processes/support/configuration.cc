@@ -346,7 +346,7 @@ class Collector : public Describer {
                Range range_deg,
                std::string_view help) override {
     Add(key,
-        Digits(DegreesFor(*value_rad)),
+        Angle(*value_rad),
         "number" + Loader::NumberRange(range_deg),
         help);
   }
@@ -388,6 +388,9 @@ class Collector : public Describer {
   }
 
  protected:
+  [[nodiscard]] virtual std::string Angle(double radians) const {
+    return Digits(DegreesFor(radians));
+  }
   virtual void Add(std::string_view key,
                    const std::string& value,
                    const std::string& allowed,
@@ -435,6 +438,10 @@ class ReferenceWriter final : public Collector {
       "|---|---|---|---|\n";
 
  protected:
+  // A default in radians has no short number of degrees: for reading, rounded.
+  [[nodiscard]] std::string Angle(double radians) const override {
+    return fmt::format("{:.6g}", radians / kRadiansPerDegree);
+  }
   void Add(std::string_view key,
            const std::string& value,
            const std::string& allowed,
@@ -450,7 +457,16 @@ class ReferenceWriter final : public Collector {
            const std::string& value,
            const std::string& allowed,
            std::string_view help) {
-    text_ += fmt::format("| {} | {} | {} | {} |\n", key, value, allowed, help);
+    text_ += '|';
+    for (const std::string_view cell : {std::string_view(key),
+                                        std::string_view(value),
+                                        std::string_view(allowed),
+                                        help}) {
+      text_ += ' ';
+      for (const char c : cell) text_ += c == '|' ? "\\|" : std::string(1, c);
+      text_ += " |";
+    }
+    text_ += '\n';
   }
   std::string prefix_;
 };

@@ -26,7 +26,7 @@ struct ExampleConfig {
 
   void Describe(Describer& d) {
     d.Number("window_s", &window_s, {0.0, 30.0}, "How long to wait");
-    d.Degrees("tilt_deg", &tilt_rad, {-90.0, 90.0}, "Tilt");
+    d.Degrees("tilt_deg", &tilt_rad, {-90.0, 90.0}, "Tilt | up");
     d.Integer("count", &count, 1, 10, "How many");
     d.Flag("is_on", &is_on, "Whether");
     d.Text("name", &name, "Who");
@@ -278,7 +278,7 @@ TEST(Configuration, ReferenceListsEveryKey) {
       "| key | default | allowed | meaning |\n"
       "|---|---|---|---|\n"
       "| `window_s` | `2` | number in [0, 30] | How long to wait |\n"
-      "| `tilt_deg` | `5` | number in [-90, 90] | Tilt |\n"
+      "| `tilt_deg` | `5` | number in [-90, 90] | Tilt \\| up |\n"
       "| `count` | `3` | whole number in [1, 10] | How many |\n"
       "| `is_on` | `true` | true, false | Whether |\n"
       "| `name` | `\"a \\\"b\\\": #c\"` | text | Who |\n"
