@@ -51,9 +51,10 @@ class ChannelCollector {
   void AddInterval(Time from, Time to) {
     const double interval_s = SecondsBetween(from, to);
     constexpr double kMostSeconds = 9e12;  // As much as a Duration holds.
-    if (std::abs(interval_s) < kMostSeconds &&
-        to - from > summary_.longest_gap) {
-      summary_.longest_gap = to - from;
+    const bool is_longer =
+        std::abs(interval_s) < kMostSeconds && to - from > summary_.longest_gap;
+    if (is_longer) summary_.longest_gap = to - from;
+    if (is_longer || summary_.num_events == 1) {
       summary_.longest_gap_start = from;
     }
     // An appended log starts over: no interval.

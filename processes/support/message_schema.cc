@@ -38,26 +38,48 @@ std::uint64_t OwnHash(const MessageSchema& schema) {
   return static_cast<std::uint64_t>(hash);
 }
 
-// `outer` are the types around this one: a type inside itself counts 0.
-std::uint64_t HashInside(const MessageSchema& schema,
-                         std::vector<const MessageSchema*>* outer) {
-  if (std::find(outer->begin(), outer->end(), &schema) != outer->end()) {
-    return 0;
+// Hashes of types within types. A type inside itself counts 0, so the hash of a
+// type depends on the types around it, but only where it leads back to them.
+class NestedHasher {
+ public:
+  std::uint64_t Hash(const MessageSchema& schema) {
+    if (const auto known = known_.find(&schema); known != known_.end()) {
+      return known->second;
+    }
+    if (std::find(outer_.begin(), outer_.end(), &schema) != outer_.end()) {
+      ++num_cut_;
+      return 0;
+    }
+    // Real types nest three or four deep, and few contain themselves.
+    constexpr std::size_t kMaxDepth = 64;
+    constexpr int kMaxSteps = 100'000;
+    if (outer_.size() >= kMaxDepth || ++num_steps_ > kMaxSteps) {
+      throw InputError(schema.origin + ": " + schema.name +
+                       " is part of types that nest too deeply");
+    }
+    const std::int64_t num_cut_before = num_cut_;
+    outer_.push_back(&schema);
+    std::uint64_t hash = OwnHash(schema);
+    for (const auto& field : schema.fields) {
+      if (field.nested != nullptr) hash += Hash(*field.nested);
+    }
+    outer_.pop_back();
+    hash = hash << 1 | hash >> 63;
+    if (num_cut_ == num_cut_before) known_.emplace(&schema, hash);
+    return hash;
   }
-  outer->push_back(&schema);
-  std::uint64_t hash = OwnHash(schema);
-  for (const auto& field : schema.fields) {
-    if (field.nested != nullptr) hash += HashInside(*field.nested, outer);
-  }
-  outer->pop_back();
-  return hash << 1 | hash >> 63;
-}
+
+ private:
+  std::map<const MessageSchema*, std::uint64_t> known_;  // Lead nowhere back.
+  std::vector<const MessageSchema*> outer_;
+  std::int64_t num_cut_ = 0;
+  int num_steps_ = 0;
+};
 
 }  // namespace
 
 std::uint64_t Fingerprint(const MessageSchema& schema) {
-  std::vector<const MessageSchema*> outer;
-  return HashInside(schema, &outer);
+  return NestedHasher().Hash(schema);
 }
 
 SchemaSet::SchemaSet(const std::vector<Source>& sources) {
@@ -87,8 +109,9 @@ void SchemaSet::Resolve() {
       }
     }
   }
+  NestedHasher hasher;
   for (const auto* type : types_) {
-    by_fingerprint_.emplace(Fingerprint(*type), type);
+    by_fingerprint_.emplace(hasher.Hash(*type), type);
   }
 }
 

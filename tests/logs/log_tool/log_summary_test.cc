@@ -91,7 +91,7 @@ TEST_F(LogSummaryTest, SendersCountForThemselves) {
 TEST_F(LogSummaryTest, ImagesCarryTheirNumberInTheMetadata) {
   {
     LogWriter writer(log_);
-    for (const std::uint8_t seq : {1, 2, 5}) {
+    for (const int seq : {1, 2, 5}) {
       image_t image{};
       image.utime = kLogStart + seq;
       image.nmetadata = 2;
@@ -101,7 +101,8 @@ TEST_F(LogSummaryTest, ImagesCarryTheirNumberInTheMetadata) {
       image.metadata[0].value = {9, 9, 9, 9, 9, 9, 9, 9};
       image.metadata[1].key = "seq";
       image.metadata[1].n = 8;
-      image.metadata[1].value = {0, 0, 0, 0, 0, 0, 0, seq};
+      image.metadata[1].value = {
+          0, 0, 0, 0, 0, 0, 0, static_cast<std::uint8_t>(seq)};
       writer.Write("IMAGE_FRONT", image);
     }
     writer.Close();
@@ -131,7 +132,9 @@ TEST_F(LogSummaryTest, StrangersAreShownByFingerprint) {
   EXPECT_THAT(summary.channels.at(0).types,
               ElementsAre("? 01020304050607af", "no fingerprint"));
   EXPECT_THAT(summary.channels.at(1).types, ElementsAre("LCM self test"));
-  EXPECT_EQ(summary.channels.at(0).rate_hz, 0.0);  // Both at one moment.
+  // Both at one moment.
+  EXPECT_EQ(summary.channels.at(0).rate_hz, 0.0);
+  EXPECT_EQ(Microseconds(summary.channels.at(0).longest_gap_start), kLogStart);
 }
 
 TEST_F(LogSummaryTest, UsersTypesComeFirst) {

@@ -122,6 +122,22 @@ TEST(MessageSchemaTest, ATypeMayContainItself) {
   EXPECT_EQ(Fingerprint(*set.FindByName("node_t")), 0x58f00f5559780307);
 }
 
+// Each type holds the next one twice: 2^60 paths, one hash per type.
+TEST(MessageSchemaTest, HostileNestingTakesBoundedTime) {
+  const auto chain = [](int length, const std::string& last) {
+    std::string text;
+    for (int i = 0; i < length; ++i) {
+      const std::string next = "t" + std::to_string(i + 1);
+      text += "struct t" + std::to_string(i) + " { " + next + " a; " + next +
+              " b; }\n";
+    }
+    return text + "struct t" + std::to_string(length) + " { " + last + " }\n";
+  };
+  EXPECT_EQ(ErrorOf(chain(60, "byte b;")), "no error");
+  EXPECT_THAT(ErrorOf(chain(100, "byte b;")), HasSubstr("too deeply"));
+  EXPECT_THAT(ErrorOf(chain(60, "t0 a;")), HasSubstr("too deeply"));
+}
+
 TEST(MessageSchemaTest, ErrorsNameFileAndLine) {
   EXPECT_THAT(ErrorOf("struct a_t {\n int32_t n\n}"),
               HasSubstr("x.lcm:3: expected ';', found '}'"));
