@@ -28,7 +28,7 @@ expect_refused() {
 }
 
 expect_help
-for command in setup build test bench replay; do
+for command in setup build test demo bench spy replay; do
   expect_help "$command"
 done
 expect_refused "no_such_tool" no_such_tool
