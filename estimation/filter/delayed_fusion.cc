@@ -11,6 +11,8 @@ enum Rank { kParameters = 0, kInitialPose = 1, kFix = 2, kReading = 3 };
 
 // Recomputing some 25 readings costs about as much as copying the state.
 constexpr int kReadingsPerCheckpoint = 25;
+// More than anybody measures while restart_after readings come in.
+constexpr std::size_t kMaxLate = 200;
 
 }  // namespace
 
@@ -42,6 +44,8 @@ bool DelayedFusion::Feed(const Key& key,
 Arrival DelayedFusion::Insert(Key key, Event event) {
   if (IsBehindWindow(key.time)) {
     ++counts_.num_late;
+    late_.emplace_back(std::move(key), std::move(event));
+    if (late_.size() > kMaxLate) late_.pop_front();
     return Arrival::kLate;
   }
   const auto [place, is_new] = history_.try_emplace(key, std::move(event));
@@ -122,17 +126,27 @@ void DelayedFusion::Settle(Time before) {
   }
 }
 
-void DelayedFusion::Restart() {
+void DelayedFusion::Restart(const std::vector<Reading>& kept) {
   Finish();
   history_.clear();
+  options_.filter.start.reset();
   settled_filter_ = newest_ = OdometryFilter(options_.filter);
   fed_.reset();
   checkpoints_.clear();
   readings_since_checkpoint_ = 0;
   newest_reading_.reset();
   ahead_.reset();
-  behind_.clear();
   ++counts_.num_restarts;
+  const auto late = std::exchange(late_, {});
+  const Time from =
+      kept.front().raw.time - DurationFromSeconds(options_.window_s);
+  const Time to = kept.back().raw.time + DurationFromSeconds(options_.window_s);
+  for (const auto& [key, event] : late) {
+    if (key.time >= from && key.time <= to) (void)Insert(key, event);
+  }
+  for (const Reading& reading : kept) {
+    (void)InsertReading(reading.raw, reading.counter_bits);
+  }
 }
 
 void DelayedFusion::Finish() {
@@ -184,10 +198,7 @@ Arrival DelayedFusion::AddReading(const EncoderReading& raw, int counter_bits) {
     return Arrival::kLate;
   }
   const std::vector<Reading> kept = std::exchange(behind_, {});
-  Restart();
-  for (const Reading& reading : kept) {
-    (void)InsertReading(reading.raw, reading.counter_bits);
-  }
+  Restart(kept);
   return Arrival::kRestarted;
 }
 

@@ -13,6 +13,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,7 +28,9 @@ struct DelayedFusionOptions {
   // that time went on: one wrong stamp must not close the window.
   double max_ahead_s = 10.0;
   // So many readings in a row behind the window mean that time itself went
-  // back (a log started over, a clock set): everything starts anew.
+  // back (a log started over, a clock set): everything starts anew, with what
+  // arrived late meanwhile. The configured start is not used again: the robot
+  // may be anywhere.
   int restart_after = 20;
   // Bound of messages newer than the newest reading; more are dropped.
   std::size_t max_waiting = 20000;
@@ -116,7 +119,7 @@ class DelayedFusion {
   void CatchUp();
   void Settle(Time before);
   [[nodiscard]] bool IsBehindWindow(Time time) const;
-  void Restart();
+  void Restart(const std::vector<Reading>& kept);
 
   DelayedFusionOptions options_;
   std::map<Key, Event> history_;  // Not settled yet.
@@ -127,7 +130,8 @@ class DelayedFusion {
   int readings_since_checkpoint_ = 0;
   std::optional<Time> newest_reading_;
   std::optional<Reading> ahead_;
-  std::vector<Reading> behind_;  // Late readings in a row.
+  std::vector<Reading> behind_;             // Late readings in a row.
+  std::deque<std::pair<Key, Event>> late_;  // The newest late other messages.
   std::vector<Settled> settled_;
   DelayedFusionCounts counts_;
 };
