@@ -38,7 +38,65 @@ struct PoseAligner::Pass {
   int num_components = 0;     // Of the used fixes.
   std::vector<double> fault;  // Per fix: chi-square of its innovation.
   std::vector<char> used;
+
+  void Measure(const AbsoluteFix& fix, bool is_used);
+  void Move(const std::vector<WheelTicks>& motion,
+            const OdometryEkfOptions& model);
 };
+
+void PoseAligner::Pass::Measure(const AbsoluteFix& fix, bool is_used) {
+  const FixPrediction prediction = PredictFix(fix, X_WR);
+  Eigen::Matrix<double, Eigen::Dynamic, 9, 0, 3, 9> H;
+  H.setZero(prediction.residual.size(), 9);
+  H.leftCols<3>() = prediction.d_pose;
+  const FixMatrix S = H * P * H.transpose() + prediction.covariance;
+  const Eigen::LLT<FixMatrix> llt(S);
+  const FixVector innovation = prediction.residual - H * error;
+  const double normalised = innovation.dot(llt.solve(innovation));
+  fault.push_back(normalised);
+  if (!is_used) return;
+  const Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, 3> K =
+      llt.solve(H * P).transpose();
+  const Matrix9 A = Matrix9::Identity() - K * H;
+  error += K * innovation;
+  P = (A * P * A.transpose() + K * prediction.covariance * K.transpose())
+          .eval();
+  chi_square += normalised;
+  cost += normalised;
+  for (Eigen::Index k = 0; k < S.rows(); ++k) {
+    cost += 2.0 * std::log(llt.matrixLLT()(k, k));
+  }
+  num_components += static_cast<int>(S.rows());
+}
+
+// The whole leg as one step: its motion, its derivative by q, its covariance.
+void PoseAligner::Pass::Move(const std::vector<WheelTicks>& motion,
+                             const OdometryEkfOptions& model) {
+  const WheelParameters parameters = ParametersFromForm(q, kForm);
+  const Eigen::Matrix3d parameters_by_q = ParametersByForm(q, kForm);
+  Pose2 X_R0R1;
+  Eigen::Matrix3d by_q = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();
+  for (const WheelTicks& ticks : motion) {
+    const DriveStep step =
+        IntegrateTicks(ticks, parameters, model.noise, model.integration);
+    const ComposeJacobians J = JacobiansOfCompose(X_R0R1, step.X_R0R1);
+    by_q =
+        (J.d_AB * by_q + J.d_BC * step.d_parameters * parameters_by_q).eval();
+    Q = (J.d_AB * Q * J.d_AB.transpose() +
+         J.d_BC * step.covariance * J.d_BC.transpose())
+            .eval();
+    X_R0R1 = X_R0R1 * step.X_R0R1;
+  }
+  const ComposeJacobians J = JacobiansOfCompose(X_WR, X_R0R1);
+  Matrix9 F = Matrix9::Identity();
+  F.block<3, 3>(0, 0) = J.d_AB;
+  F.block<3, 3>(0, 3) = J.d_BC * by_q;
+  error = (F * error).eval();
+  P = (F * P * F.transpose()).eval();
+  P.block<3, 3>(0, 0) += J.d_BC * Q * J.d_BC.transpose();
+  X_WR = X_WR * X_R0R1;
+}
 
 PoseAligner::PoseAligner(const PoseAlignerOptions& options,
                          const OdometryEkfOptions& model,
@@ -133,8 +191,6 @@ PoseAligner::Pass PoseAligner::RunPass(const Pose2& start,
   pass.start = pass.X_WR = start;
   pass.q = q;
   pass.used = used;
-  const WheelParameters parameters = ParametersFromForm(q, kForm);
-  const Eigen::Matrix3d parameters_by_q = ParametersByForm(q, kForm);
   // The prior's mean is the first position as measured; the heading is free.
   const double position_variance =
       options_.position_sigma * options_.position_sigma;
@@ -149,52 +205,8 @@ PoseAligner::Pass PoseAligner::RunPass(const Pose2& start,
       mean.x - start.x, mean.y - start.y, 0.0;
 
   for (std::size_t i = 0; i < legs_.size(); ++i) {
-    const FixPrediction fix = PredictFix(legs_[i].fix, pass.X_WR);
-    Eigen::Matrix<double, Eigen::Dynamic, 9, 0, 3, 9> H;
-    H.setZero(fix.residual.size(), 9);
-    H.leftCols<3>() = fix.d_pose;
-    const FixMatrix S = H * pass.P * H.transpose() + fix.covariance;
-    const Eigen::LLT<FixMatrix> llt(S);
-    const FixVector innovation = fix.residual - H * pass.error;
-    const double chi_square = innovation.dot(llt.solve(innovation));
-    pass.fault.push_back(chi_square);
-    if (used[i]) {
-      const Eigen::Matrix<double, 9, Eigen::Dynamic, 0, 9, 3> K =
-          llt.solve(H * pass.P).transpose();
-      const Matrix9 A = Matrix9::Identity() - K * H;
-      pass.error += K * innovation;
-      pass.P = (A * pass.P * A.transpose() + K * fix.covariance * K.transpose())
-                   .eval();
-      pass.chi_square += chi_square;
-      pass.cost += chi_square;
-      for (Eigen::Index k = 0; k < S.rows(); ++k) {
-        pass.cost += 2.0 * std::log(llt.matrixLLT()(k, k));
-      }
-      pass.num_components += static_cast<int>(S.rows());
-    }
-    // The leg as one step: motion, its derivative by q, its covariance.
-    Pose2 X_R0R1;
-    Eigen::Matrix3d by_q = Eigen::Matrix3d::Zero();
-    Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();
-    for (const WheelTicks& ticks : legs_[i].motion) {
-      const DriveStep step =
-          IntegrateTicks(ticks, parameters, model_.noise, model_.integration);
-      const ComposeJacobians J = JacobiansOfCompose(X_R0R1, step.X_R0R1);
-      by_q =
-          (J.d_AB * by_q + J.d_BC * step.d_parameters * parameters_by_q).eval();
-      Q = (J.d_AB * Q * J.d_AB.transpose() +
-           J.d_BC * step.covariance * J.d_BC.transpose())
-              .eval();
-      X_R0R1 = X_R0R1 * step.X_R0R1;
-    }
-    const ComposeJacobians J = JacobiansOfCompose(pass.X_WR, X_R0R1);
-    Matrix9 F = Matrix9::Identity();
-    F.block<3, 3>(0, 0) = J.d_AB;
-    F.block<3, 3>(0, 3) = J.d_BC * by_q;
-    pass.error = (F * pass.error).eval();
-    pass.P = (F * pass.P * F.transpose()).eval();
-    pass.P.block<3, 3>(0, 0) += J.d_BC * Q * J.d_BC.transpose();
-    pass.X_WR = pass.X_WR * X_R0R1;
+    pass.Measure(legs_[i].fix, used[i] != 0);
+    pass.Move(legs_[i].motion, model_);
   }
   return pass;
 }

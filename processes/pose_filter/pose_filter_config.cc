@@ -33,55 +33,57 @@ void PoseFilterConfig::Describe(Describer& d) {
   d.Group(
       "wheels", [&] { DescribeWheels(d); }, "Wheels and their parameters");
   d.Group(
-      "start",
-      [&] {
-        d.Numbers("position",
-                  &start_position,
-                  2,
-                  "x and y of the first pose, m; empty: INITIAL_POSE, or "
-                  "unknown until measurements show it");
-        d.Degrees("heading_deg",
-                  &start_heading,
-                  {-360.0, 360.0},
-                  "Heading of the first pose");
-        d.Number("position_sigma",
-                 &start_position_sigma,
-                 kPositive,
-                 "Standard deviation of x and of y, m");
-        d.Degrees("heading_sigma_deg",
-                  &start_heading_sigma,
-                  {1e-3, 45.0},
-                  "Standard deviation of the heading");
-      },
-      "First pose, where configured");
+      "start", [&] { DescribeStart(d); }, "First pose, where configured");
   d.Group(
       "noise", [&] { DescribeNoise(d); }, "Error model of the wheels");
   d.Group(
       "gate", [&] { DescribeGate(d); }, "Faulty measurements");
   d.Group(
       "alignment",
-      [&] {
-        std::int64_t min_fixes = alignment.min_fixes;
-        std::int64_t max_fixes = alignment.max_fixes;
-        d.Integer("min_fixes", &min_fixes, 1, 100, "Fixes needed at least");
-        d.Integer("max_fixes", &max_fixes, 4, 1000, "Fixes held at most");
-        alignment.min_fixes = static_cast<int>(min_fixes);
-        alignment.max_fixes = static_cast<int>(max_fixes);
-        d.Degrees("max_heading_sigma_deg",
-                  &alignment.max_heading_sigma,
-                  {0.01, 30.0},
-                  "The pose is known once the heading is this sure");
-        d.Number("max_position_sigma",
-                 &alignment.max_position_sigma,
-                 kPositive,
-                 "and the position this sure, m");
-        d.Number("min_separation",
-                 &alignment.min_separation,
-                 kNotNegative,
-                 "and any other heading this much less likely, -2 log "
-                 "likelihood");
-      },
+      [&] { DescribeAlignment(d); },
       "First pose from measurements alone");
+}
+
+void PoseFilterConfig::DescribeStart(Describer& d) {
+  d.Numbers("position",
+            &start_position,
+            2,
+            "x and y of the first pose, m; empty: INITIAL_POSE, or "
+            "unknown until measurements show it");
+  d.Degrees("heading_deg",
+            &start_heading,
+            {-360.0, 360.0},
+            "Heading of the first pose");
+  d.Number("position_sigma",
+           &start_position_sigma,
+           kPositive,
+           "Standard deviation of x and of y, m");
+  d.Degrees("heading_sigma_deg",
+            &start_heading_sigma,
+            {1e-3, 45.0},
+            "Standard deviation of the heading");
+}
+
+void PoseFilterConfig::DescribeAlignment(Describer& d) {
+  std::int64_t min_fixes = alignment.min_fixes;
+  std::int64_t max_fixes = alignment.max_fixes;
+  d.Integer("min_fixes", &min_fixes, 1, 100, "Fixes needed at least");
+  d.Integer("max_fixes", &max_fixes, 4, 1000, "Fixes held at most");
+  alignment.min_fixes = static_cast<int>(min_fixes);
+  alignment.max_fixes = static_cast<int>(max_fixes);
+  d.Degrees("max_heading_sigma_deg",
+            &alignment.max_heading_sigma,
+            {0.01, 30.0},
+            "The pose is known once the heading is this sure");
+  d.Number("max_position_sigma",
+           &alignment.max_position_sigma,
+           kPositive,
+           "and the position this sure, m");
+  d.Number("min_separation",
+           &alignment.min_separation,
+           kNotNegative,
+           "and any other heading this much less likely, -2 log "
+           "likelihood");
 }
 
 void PoseFilterConfig::DescribeWheels(Describer& d) {

@@ -4,6 +4,7 @@
 #include "estimation/filter/delayed_fusion.h"
 #include "processes/support/describer.h"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,8 @@ struct PoseFilterConfig {
 
  private:
   void DescribeWheels(Describer& d);
+  void DescribeStart(Describer& d);
+  void DescribeAlignment(Describer& d);
   void DescribeNoise(Describer& d);
   void DescribeGate(Describer& d);
 };
