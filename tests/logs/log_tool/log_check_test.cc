@@ -42,7 +42,7 @@ TEST_F(LogCheckTest, SoundLog) {
 TEST_F(LogCheckTest, DamageIsNotSound) {
   WriteDrive();
   auto bytes = ReadBytes(log_);
-  bytes.resize(bytes.size() - 1);
+  bytes.pop_back();
   WriteBytes(log_, bytes);
   EXPECT_FALSE(Check().is_sound());
 }

@@ -21,7 +21,7 @@ TEST_F(LogCopyTest, RepairSavesAllWholeRecords) {
   auto bytes = ReadBytes(log_);
   bytes[200] ^= 0xFF;  // Somewhere in a payload or header.
   bytes.insert(bytes.begin() + 700, 50, 0xEE);
-  bytes.resize(bytes.size() - 3);
+  bytes.erase(bytes.end() - 3, bytes.end());
   WriteBytes(log_, bytes);
   const LogCopyReport report = CopyLog(log_, out_, {});
   EXPECT_FALSE(report.read.is_sound());

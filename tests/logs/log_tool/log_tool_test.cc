@@ -76,7 +76,7 @@ TEST_F(LogToolProgramTest, SoundLog) {
 TEST_F(LogToolProgramTest, DamagedLog) {
   WriteDrive();
   auto bytes = ReadBytes(log_);
-  bytes.resize(bytes.size() - 10);
+  bytes.erase(bytes.end() - 10, bytes.end());
   WriteBytes(log_, bytes);
   Outcome run = RunTool("check " + log_);
   EXPECT_EQ(run.exit_code, 1);
