@@ -46,6 +46,33 @@ std::string HostName() {
   return name.data();
 }
 
+// While one exists, threads that the calling thread makes run before ordinary
+// ones, where the user may do that (root, or RLIMIT_RTPRIO). The
+// stock receive buffer holds one raw image: on a busy machine LCM's reader, who
+// only copies, must not wait for its turn.
+class MakesUrgentThreads {
+ public:
+  MakesUrgentThreads() {
+    ::pthread_getschedparam(::pthread_self(), &policy_, &parameters_);
+    sched_param lowest_real_time{};
+    lowest_real_time.sched_priority = 1;
+    is_set_ = ::pthread_setschedparam(
+                  ::pthread_self(), SCHED_RR, &lowest_real_time) == 0;
+  }
+  ~MakesUrgentThreads() {
+    if (is_set_) {
+      ::pthread_setschedparam(::pthread_self(), policy_, &parameters_);
+    }
+  }
+  MakesUrgentThreads(const MakesUrgentThreads&) = delete;
+  MakesUrgentThreads& operator=(const MakesUrgentThreads&) = delete;
+
+ private:
+  int policy_ = SCHED_OTHER;
+  sched_param parameters_{};
+  bool is_set_ = false;
+};
+
 // LCM reads channels as regular expressions.
 std::string Literal(const std::string& channel) {
   std::string escaped;
@@ -132,7 +159,10 @@ void LcmBus::SubscribeRaw(Subscription subscription) {
     return;
   }
   routes_.push_back(std::make_unique<Route>(Route{this, channel, {index}}));
-  // LCM opens its socket with the first subscription and keeps it to itself.
+  // LCM opens its socket, and makes the thread that reads it, with the first
+  // subscription, and keeps both to itself.
+  std::optional<MakesUrgentThreads> urgent;
+  if (routes_.size() == 1) urgent.emplace();
   const std::vector<int> before = SocketsAt(routes_.size() == 1 ? port_ : 0);
   lcm_subscription_t* made = lcm_subscribe(
       lcm_.get(),

@@ -21,8 +21,10 @@ struct _lcm_t;
 namespace waymark {
 
 // A thread of its own drains LCM into mailboxes, since LCM's own queue drops
-// the newest messages and its socket overflows while a handler is busy.
-// Handlers run in the caller's thread, in HandleOne(), in order of arrival.
+// the newest messages and its socket overflows while a handler is busy. Where
+// the user may (root, or RLIMIT_RTPRIO), LCM's reader runs at real-time
+// priority. Handlers run in the caller's thread, in HandleOne(), in order of
+// arrival.
 //
 // Not thread-safe: one thread constructs, subscribes, publishes, handles.
 class LcmBus final : public CountingBus {

@@ -114,14 +114,21 @@ int RunLive(const ProcessClass& process_class,
                                  socket.granted_bytes / 1024,
                                  socket.wanted_bytes / 1024)
                    : "");
-  while (!signals.Take()) {
-    reporter.Report(SteadyNow());
-    if (!bus.HandleOne()) Wait(bus, signals, *reporter.next_status());
+  try {
+    while (!signals.Take()) {
+      reporter.Report(SteadyNow());
+      if (!bus.HandleOne()) Wait(bus, signals, *reporter.next_status());
+    }
+    bus.Stop();
+    while (!signals.Take() && bus.HandleOne()) {
+    }
+    process->Finish();
+  } catch (const std::exception& error) {
+    // The last word on the bus says why.
+    bus.SetFault(error.what());
+    reporter.ReportStatus(SteadyNow());
+    throw;
   }
-  bus.Stop();
-  while (!signals.Take() && bus.HandleOne()) {
-  }
-  process->Finish();
   reporter.ReportStatus(SteadyNow());
   return 0;
 }

@@ -140,7 +140,10 @@ TEST_F(RunProcessNetworkTest, HandlerThatThrowsEndsItWithItsMessage) {
   const ChildResult result = echo.Wait();
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("\necho: handler threw as configured\n"));
-  EXPECT_TRUE(peer.Until([&] { return peer.odometry.size() == 2; }));
+  EXPECT_TRUE(peer.Until([&] {
+    return peer.statuses.back().fault == "handler threw as configured";
+  }));
+  EXPECT_EQ(peer.odometry.size(), 2u);
 }
 
 TEST_F(RunProcessNetworkTest, MissingRouteIsOneLineThatSaysHowToMendIt) {
