@@ -5,7 +5,9 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -14,10 +16,11 @@ using RowMajorX =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Ceres stores Jacobians row by row.
-Eigen::Map<RowMajorX> MapOf(double* jacobian,
-                            Eigen::Index rows,
-                            Eigen::Index cols) {
-  return {jacobian, rows, cols};
+template <int Rows, int Cols>
+Eigen::Map<Eigen::Matrix<double, Rows, Cols, Eigen::RowMajor>> MapOf(
+    double* jacobian) {
+  return Eigen::Map<Eigen::Matrix<double, Rows, Cols, Eigen::RowMajor>>(
+      jacobian);
 }
 
 // L^-1 of covariance = L L'.
@@ -51,6 +54,23 @@ BetweenJacobians JacobiansOfBetween(const Pose2& X_WA, const Pose2& X_AB) {
   return jacobians;
 }
 
+TieShift ShiftOf(const KeyframeTie& tie, double offset) {
+  const double time = tie.sensor_time - offset;
+  TieShift shift;
+  shift.X_KR = tie.track
+                   ->Integrate(tie.keyframe_time,
+                               time,
+                               tie.parameters,
+                               DriveNoise{0.0, 0.0},
+                               tie.integration)
+                   .X_R0R1;
+  const TrackVelocity velocity = tie.track->VelocityAt(time, tie.parameters);
+  // The robot's heading is its direction of travel.
+  shift.d_time << velocity.forward * std::cos(shift.X_KR.heading),
+      velocity.forward * std::sin(shift.X_KR.heading), velocity.turn_rate;
+  return shift;
+}
+
 // Where the sensor is when it measures.
 struct SensorPose {
   Pose2 X_WS;
@@ -63,26 +83,16 @@ SensorPose SensorPoseOf(const double* pose,
                         const KeyframeTie& tie) {
   const Pose2 X_WR = PoseOf(pose);
   const Pose2 X_RS = PoseOf(sensor);
-  const double time = tie.sensor_time - sensor[3];
-  const TrackMotion shift = tie.track->Integrate(tie.keyframe_time,
-                                                 time,
-                                                 tie.parameters,
-                                                 DriveNoise{0.0, 0.0},
-                                                 tie.integration);
-  const TrackVelocity velocity = tie.track->VelocityAt(time, tie.parameters);
-  const Pose2 X_WT = X_WR * shift.X_R0R1;  // The robot when S measures.
-  const ComposeJacobians to_robot = JacobiansOfCompose(X_WR, shift.X_R0R1);
+  const TieShift shift =
+      tie.offset == sensor[3] ? tie.shift : ShiftOf(tie, sensor[3]);
+  const Pose2 X_WT = X_WR * shift.X_KR;  // The robot when S measures.
+  const ComposeJacobians to_robot = JacobiansOfCompose(X_WR, shift.X_KR);
   const ComposeJacobians to_sensor = JacobiansOfCompose(X_WT, X_RS);
-  // The robot's heading is its direction of travel.
-  const Eigen::Vector3d d_time(
-      velocity.forward * std::cos(shift.X_R0R1.heading),
-      velocity.forward * std::sin(shift.X_R0R1.heading),
-      velocity.turn_rate);
   SensorPose result;
   result.X_WS = X_WT * X_RS;
   result.d_pose = to_sensor.d_AB * to_robot.d_AB;
   result.d_sensor.leftCols<3>() = to_sensor.d_BC;
-  result.d_sensor.col(3) = -(to_sensor.d_AB * to_robot.d_BC * d_time);
+  result.d_sensor.col(3) = -(to_sensor.d_AB * to_robot.d_BC * shift.d_time);
   return result;
 }
 
@@ -92,6 +102,12 @@ Eigen::Vector3d Difference(const Pose2& a, const Eigen::Vector3d& b) {
 }
 
 }  // namespace
+
+KeyframeTie MakeTie(KeyframeTie tie, double offset) {
+  tie.offset = offset;
+  tie.shift = ShiftOf(tie, offset);
+  return tie;
+}
 
 StepCost::StepCost(const StepModel& model,
                    double t0,
@@ -118,13 +134,13 @@ bool StepCost::Evaluate(double const* const* blocks,
   if (jacobians == nullptr) return true;
   const BetweenJacobians between = JacobiansOfBetween(X_WR0, X_R0R1);
   if (jacobians[0] != nullptr) {
-    MapOf(jacobians[0], 3, 3) = whiten_ * between.d_A;
+    MapOf<3, 3>(jacobians[0]) = whiten_ * between.d_A;
   }
   if (jacobians[1] != nullptr) {
-    MapOf(jacobians[1], 3, 3) = whiten_ * between.d_B;
+    MapOf<3, 3>(jacobians[1]) = whiten_ * between.d_B;
   }
   if (jacobians[2] != nullptr) {
-    MapOf(jacobians[2], 3, 3) =
+    MapOf<3, 3>(jacobians[2]) =
         -whiten_ * ticks.d_parameters * model_.initial.vector().asDiagonal();
   }
   return true;
@@ -153,16 +169,20 @@ bool FixCost::Evaluate(double const* const* blocks,
                        double** jacobians) const {
   const SensorPose sensor = SensorPoseOf(blocks[0], blocks[1], tie_);
   const Pose2 X_FS = Between(X_WF_, sensor.X_WS);
-  Eigen::Map<Eigen::VectorXd> r(residuals, num_residuals());
-  r = whiten_ * Difference(X_FS, value_);
+  const int rows = num_residuals();
+  const Eigen::Vector3d r = whiten_ * Difference(X_FS, value_);
+  std::copy_n(r.data(), rows, residuals);
   if (jacobians == nullptr) return true;
-  const Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> d_S =
-      whiten_ * JacobiansOfBetween(X_WF_, X_FS).d_B;
+  const Eigen::Matrix3d d_S = whiten_ * JacobiansOfBetween(X_WF_, X_FS).d_B;
   if (jacobians[0] != nullptr) {
-    MapOf(jacobians[0], num_residuals(), 3) = d_S * sensor.d_pose;
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> d_pose =
+        d_S * sensor.d_pose;
+    std::copy_n(d_pose.data(), 3 * rows, jacobians[0]);
   }
   if (jacobians[1] != nullptr) {
-    MapOf(jacobians[1], num_residuals(), 4) = d_S * sensor.d_sensor;
+    const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> d_sensor =
+        d_S * sensor.d_sensor;
+    std::copy_n(d_sensor.data(), 4 * rows, jacobians[1]);
   }
   return true;
 }
@@ -188,13 +208,13 @@ bool MotionCost::Evaluate(double const* const* blocks,
   const Eigen::Matrix3d d_from = whiten_ * between.d_A;
   const Eigen::Matrix3d d_to = whiten_ * between.d_B;
   if (jacobians[0] != nullptr) {
-    MapOf(jacobians[0], 3, 3) = d_from * from.d_pose;
+    MapOf<3, 3>(jacobians[0]) = d_from * from.d_pose;
   }
   if (jacobians[1] != nullptr) {
-    MapOf(jacobians[1], 3, 3) = d_to * to.d_pose;
+    MapOf<3, 3>(jacobians[1]) = d_to * to.d_pose;
   }
   if (jacobians[2] != nullptr) {
-    MapOf(jacobians[2], 3, 4) = d_from * from.d_sensor + d_to * to.d_sensor;
+    MapOf<3, 4>(jacobians[2]) = d_from * from.d_sensor + d_to * to.d_sensor;
   }
   return true;
 }
@@ -216,7 +236,7 @@ bool PriorCost::Evaluate(double const* const* blocks,
   if (wrapped_ >= 0) error(wrapped_) = WrapAngle(error(wrapped_));
   Eigen::Map<Eigen::VectorXd>(residuals, size) = whiten_ * error;
   if (jacobians != nullptr && jacobians[0] != nullptr) {
-    MapOf(jacobians[0], size, size) = whiten_;
+    Eigen::Map<RowMajorX>(jacobians[0], size, size) = whiten_;
   }
   return true;
 }

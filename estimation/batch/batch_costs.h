@@ -43,6 +43,12 @@ class StepCost final : public ceres::SizedCostFunction<3, 3, 3, 3> {
   Eigen::Matrix3d whiten_;
 };
 
+// From a keyframe K to the robot at a measurement's time.
+struct TieShift {
+  Pose2 X_KR;
+  Eigen::Vector3d d_time = Eigen::Vector3d::Zero();  // By that time.
+};
+
 // Ties a measurement to a keyframe: the robot at the measurement's time is
 // where the ticks lead from the keyframe, at wheel parameters that are held.
 struct KeyframeTie {
@@ -51,7 +57,11 @@ struct KeyframeTie {
   DriveIntegration integration = DriveIntegration::kArc;
   double keyframe_time = 0.0;  // On the encoders' clock, s of the track.
   double sensor_time = 0.0;    // On the sensor's clock, s of the track.
+  // Filled by MakeTie: the shift at the time offset that will be asked most.
+  double offset = 0.0;
+  TieShift shift;
 };
+[[nodiscard]] KeyframeTie MakeTie(KeyframeTie tie, double offset);
 
 // Blocks: pose, sensor. One residual per present component of the fix.
 class FixCost final : public ceres::CostFunction {
@@ -65,8 +75,8 @@ class FixCost final : public ceres::CostFunction {
   KeyframeTie tie_;
   Pose2 X_WF_;
   Eigen::Vector3d value_;
-  // N x 3: picks the present components and whitens them.
-  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 3, 3> whiten_;
+  // The first N rows pick the present components and whiten them.
+  Eigen::Matrix3d whiten_ = Eigen::Matrix3d::Zero();
 };
 
 // Blocks: pose at S0, pose at S1, sensor. Three residuals.

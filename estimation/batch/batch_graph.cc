@@ -94,12 +94,11 @@ class Builder {
   Builder(const BatchInput& input,
           const BatchOptions& options,
           BatchLoss loss,
-          double loss_factor,
           BatchState* state)
       : input_(input),
         options_(options),
         loss_(loss),
-        scale_(options.loss_scale * loss_factor),
+        scale_(options.loss_scale),
         state_(state) {}
 
   std::vector<BatchFactor> Build() {
@@ -223,15 +222,18 @@ class Builder {
       double sensor_time,
       int sensor,
       std::vector<BatchState::Keyframe>* keyframes) {
-    const double time =
-        sensor_time - state_->sensors[static_cast<std::size_t>(sensor)][3];
-    BatchState::Keyframe& at = (*keyframes)[KeyframeAt(*keyframes, time)];
+    const double offset = state_->sensors[static_cast<std::size_t>(sensor)][3];
+    BatchState::Keyframe& at =
+        (*keyframes)[KeyframeAt(*keyframes, sensor_time - offset)];
     return {at.pose.data(),
-            {&log.track,
-             state_->Wheels(options_.initial),
-             options_.integration,
-             at.time,
-             sensor_time}};
+            MakeTie({&log.track,
+                     state_->Wheels(options_.initial),
+                     options_.integration,
+                     at.time,
+                     sensor_time,
+                     offset,
+                     {}},
+                    offset)};
   }
 
   const BatchInput& input_;
@@ -299,9 +301,8 @@ void RenewKeyframes(const BatchInput& input,
 std::vector<BatchFactor> BuildFactors(const BatchInput& input,
                                       const BatchOptions& options,
                                       BatchLoss loss,
-                                      double loss_factor,
                                       BatchState* state) {
-  return Builder(input, options, loss, loss_factor, state).Build();
+  return Builder(input, options, loss, state).Build();
 }
 
 double InlierGate(int num_components) {

@@ -54,11 +54,10 @@ void RenewKeyframes(const BatchInput& input,
                     BatchState* state);
 
 // All factors on the blocks of `state`, whitened with the covariances that the
-// state's wheel parameters give. `loss_factor` widens the robust losses.
+// state's wheel parameters give.
 [[nodiscard]] std::vector<BatchFactor> BuildFactors(const BatchInput& input,
                                                     const BatchOptions& options,
                                                     BatchLoss loss,
-                                                    double loss_factor,
                                                     BatchState* state);
 
 // A value of chi-squared (n components, 1 to 3) that a thousandth of good

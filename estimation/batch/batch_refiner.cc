@@ -34,6 +34,7 @@ struct RoundReport {
 RoundReport SolveRound(const BatchInput& input,
                        const BatchOptions& options,
                        const std::vector<BatchFactor>& factors,
+                       bool is_first,
                        BatchState* state) {
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -62,9 +63,9 @@ RoundReport SolveRound(const BatchInput& input,
   solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   solver.num_threads = 1;
   solver.max_num_iterations = options.max_iterations;
-  // Near the limit of double, so that a result does not depend on the path to
-  // it by more than its last digits.
-  solver.function_tolerance = 1e-12;
+  // The first round's weights are replaced anyway. Later ones stop where a cost
+  // of some thousands changes by far less than the 1 that means one sigma.
+  solver.function_tolerance = is_first ? 1e-6 : 1e-11;
   solver.parameter_tolerance = 1e-12;
   solver.gradient_tolerance = 1e-12;
   solver.logging_type = ceres::SILENT;
@@ -142,15 +143,13 @@ class Refinement {
       // Huber first: far outliers cannot be told before the fit.
       const bool is_first = round == 0 && options_.loss != BatchLoss::kNone;
       const BatchState before = state_;
+      const std::vector<BatchFactor> factors =
+          BuildFactors(input_,
+                       options_,
+                       is_first ? BatchLoss::kHuber : options_.loss,
+                       &state_);
       const RoundReport report =
-          SolveRound(input_,
-                     options_,
-                     BuildFactors(input_,
-                                  options_,
-                                  is_first ? BatchLoss::kHuber : options_.loss,
-                                  1.0,
-                                  &state_),
-                     &state_);
+          SolveRound(input_, options_, factors, is_first, &state_);
       result_.num_rounds = round + 1;
       result_.num_iterations += report.num_iterations;
       result_.final_cost = report.final_cost;
@@ -183,7 +182,7 @@ class Refinement {
 
   void Conclude() {
     const std::vector<BatchFactor> factors =
-        BuildFactors(input_, options_, options_.loss, 1.0, &state_);
+        BuildFactors(input_, options_, options_.loss, &state_);
     const auto marginal = ComputeMarginal(input_, state_, factors);
     if (!marginal) {
       NoAnswer(BatchStatus::kNotConverged,

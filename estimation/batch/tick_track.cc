@@ -71,6 +71,8 @@ TrackMotion TickTrack::Integrate(double t0,
         -(jacobians.d_BC.transpose() * jacobians.d_AB * back.d_parameters);
     return motion;
   }
+  const bool has_noise =
+      noise.wheel_variance > 0.0 || noise.base_variance > 0.0;
   TrackMotion motion;
   std::size_t interval = IntervalAt(t0);
   const std::size_t last = IntervalAt(t1);
@@ -87,9 +89,11 @@ TrackMotion TickTrack::Integrate(double t0,
         JacobiansOfCompose(motion.X_R0R1, step.X_R0R1);
     motion.d_parameters = jacobians.d_AB * motion.d_parameters +
                           jacobians.d_BC * step.d_parameters;
-    motion.covariance =
-        jacobians.d_AB * motion.covariance * jacobians.d_AB.transpose() +
-        jacobians.d_BC * step.covariance * jacobians.d_BC.transpose();
+    if (has_noise) {
+      motion.covariance =
+          jacobians.d_AB * motion.covariance * jacobians.d_AB.transpose() +
+          jacobians.d_BC * step.covariance * jacobians.d_BC.transpose();
+    }
     motion.X_R0R1 = motion.X_R0R1 * step.X_R0R1;
   }
   return motion;

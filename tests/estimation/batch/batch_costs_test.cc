@@ -88,7 +88,7 @@ class BatchCosts : public testing::Test {
     tie.keyframe_time = random_.Uniform(3.0, 27.0);
     // Before and after the keyframe, off the grid of readings.
     tie.sensor_time = tie.keyframe_time + random_.Uniform(-0.3, 0.3);
-    return tie;
+    return MakeTie(tie, random_.Uniform(-0.1, 0.1));
   }
 
   Random random_{42};
