@@ -1,0 +1,61 @@
+// Wheel parameters and sensor mounting from the newest minutes of driving.
+#pragma once
+
+#include "estimation/batch/batch_refiner.h"
+#include "estimation/batch/batch_window.h"
+#include "estimation/filter/encoder_counter.h"
+#include "estimation/filter/estimate_types.h"
+#include "processes/batch_refiner/batch_refiner_config.h"
+#include "processes/support/bus.h"
+
+#include <waymark/encoders_t.hpp>
+#include <waymark/odometry_parameters_t.hpp>
+#include <waymark/position_fix_t.hpp>
+#include <waymark/relative_motion_t.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace waymark {
+
+// A result as it is published: with the mounting that most measurements speak
+// of, where one was estimated.
+[[nodiscard]] OdometryParameters ParametersFromResult(
+    const BatchResult& result);
+
+// ENCODERS, POSITION_FIX, RELATIVE_MOTION, ODOMETRY_PARAMETERS (nominal) ->
+// ODOMETRY_PARAMETERS (batch). Solves whenever the encoders' time has moved on
+// by period_s, in the handler: a slow job (some 0.1 s), which its mailboxes
+// outlast. What it publishes depends on the messages and their order only, not
+// on how long it takes. Where there is no answer nothing is published: what
+// was published last stays the best that is known.
+class BatchRefinerProcess {
+ public:
+  using Config = BatchRefinerConfig;
+  static constexpr std::string_view kName = "batch_refiner";
+
+  BatchRefinerProcess(const Config& config, Bus* bus);
+  // Solves what came after the last solution.
+  void Finish();
+
+ private:
+  void OnEncoders(const encoders_t& message);
+  void OnFix(const position_fix_t& message);
+  void OnMotion(const relative_motion_t& message);
+  void OnParameters(const odometry_parameters_t& message);
+  void SetNominal(const WheelParameters& nominal);
+  void StartAnew(std::string_view why);
+  void Solve();
+
+  Config config_;
+  Bus* bus_;
+  std::optional<WheelParameters> nominal_;
+  EncoderCounter counter_;
+  BatchWindow window_;
+  EncoderReading total_;  // Counts without wraps.
+  std::optional<Time> solved_;
+  std::int64_t seq_ = 0;
+};
+
+}  // namespace waymark
