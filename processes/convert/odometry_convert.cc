@@ -231,10 +231,16 @@ std::optional<OdometryParameters> OdometryParametersFromMessage(
   const double values[3] = {
       message.k_right, message.k_left, message.wheel_base};
   constexpr const char* kKeys[3] = {"k_right", "k_left", "wheel_base"};
+  // Far below any robot, and far above where dividing by them overflows.
+  constexpr double kLeast[3] = {1e-12, 1e-12, 1e-3};
   for (int i = 0; i < 3; ++i) {
     if (!CheckNumber(kKeys[i], values[i], reason)) return std::nullopt;
     if (!(values[i] > 0.0)) {
       Refuse(reason, kKeys[i], ": ", values[i], " must be positive");
+      return std::nullopt;
+    }
+    if (values[i] < kLeast[i]) {
+      Refuse(reason, kKeys[i], ": ", values[i], " must be >= ", kLeast[i]);
       return std::nullopt;
     }
   }

@@ -42,8 +42,8 @@ namespace waymark {
 [[nodiscard]] std::optional<InitialPose> InitialPoseFromMessage(
     const initial_pose_t& message, std::string* reason);
 
-// k_right, k_left and wheel_base are positive; the covariance may be singular
-// (zero: no statement).
+// k_right and k_left are at least 1e-12 m per tick, wheel_base at least 1 mm;
+// the covariance may be singular (zero: no statement).
 [[nodiscard]] std::optional<OdometryParameters> OdometryParametersFromMessage(
     const odometry_parameters_t& message, std::string* reason);
 

@@ -1,6 +1,7 @@
 #include "processes/support/configuration.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -32,6 +33,43 @@ std::optional<T> ParseWhole(const std::string& text) {
   const auto [rest, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || rest != end) return std::nullopt;
   return value;
+}
+
+// Takes what the parser reports and keeps nothing.
+class IgnoringHandler final : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {
+  }
+  void OnScalar(const YAML::Mark& /*mark*/,
+                const std::string& /*tag*/,
+                YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/,
+                       const std::string& /*tag*/,
+                       YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/,
+                  const std::string& /*tag*/,
+                  YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+};
+
+// The one document in `text`, null where there is none. Documents are counted
+// first, and not further than two: text such as ",a" makes yaml-cpp 0.7 report
+// documents without end, and its LoadAll() takes memory for each.
+YAML::Node LoadDocument(const std::string& text, const std::string& name) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  IgnoringHandler handler;
+  for (int count = 0; parser.HandleNextDocument(handler); ++count) {
+    if (count == 1) throw InputError(name + ": must be one YAML document");
+  }
+  return YAML::Load(text);
 }
 
 // Sets fields from one YAML document.
@@ -477,17 +515,14 @@ void LoadConfigurationText(std::string_view yaml,
                            std::string_view source,
                            const DescribeFunction& describe) {
   const std::string name(source);
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(std::string(yaml));
+    document = LoadDocument(std::string(yaml), name);
   } catch (const YAML::Exception& error) {
     throw InputError(
         fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
   }
-  if (documents.size() > 1) {
-    throw InputError(name + ": must be one YAML document");
-  }
-  if (!documents.empty()) LoadNode(documents[0], name, true, describe);
+  if (!document.IsNull()) LoadNode(document, name, true, describe);
 }
 
 void LoadConfigurationFile(const std::string& path,
@@ -512,7 +547,7 @@ void ApplySetting(std::string_view setting, const DescribeFunction& describe) {
   }
   YAML::Node node;
   try {
-    node = YAML::Load(std::string(setting.substr(equals + 1)));
+    node = LoadDocument(std::string(setting.substr(equals + 1)), source);
   } catch (const YAML::Exception& error) {
     throw InputError(source + ": " + error.msg);
   }

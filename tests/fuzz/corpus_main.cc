@@ -16,7 +16,7 @@ namespace waymark::fuzz {
 namespace {
 
 // Per seed and kind of mutation: keeps each target's test below a second.
-constexpr std::size_t kMaxPlaces = 300;
+constexpr std::size_t kMaxPlaces = 100;
 
 class Runner {
  public:

@@ -192,6 +192,10 @@ TEST(OdometryConvert, ParametersSurviveTheRoundTrip) {
   message.wheel_base = 0;
   EXPECT_FALSE(OdometryParametersFromMessage(message, &reason));
   EXPECT_THAT(reason, HasSubstr("wheel_base: 0 must be positive"));
+  // The smallest positive numbers made the dead-reckoned covariance infinite.
+  message.wheel_base = 4e-315;
+  EXPECT_FALSE(OdometryParametersFromMessage(message, &reason));
+  EXPECT_THAT(reason, HasSubstr("must be >= 0.001"));
 }
 
 TEST(OdometryConvert, UnknownPoseCarriesItsReasonAndNoNumbers) {

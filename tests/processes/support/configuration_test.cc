@@ -190,6 +190,10 @@ TEST(Configuration, BadYamlIsOneLine) {
             "example.yaml:3: end of sequence flow not found");
   EXPECT_EQ(ErrorOf("window_s: 1\n---\nwindow_s: 2\n"),
             "example.yaml: must be one YAML document");
+  // yaml-cpp's LoadAll() reports documents without end here.
+  EXPECT_EQ(ErrorOf(",a=[0]"), "example.yaml: must be one YAML document");
+  EXPECT_EQ(SettingError("count=,5"),
+            "--set count=,5: must be one YAML document");
 }
 
 TEST(Configuration, FileThatCannotBeReadIsNamed) {
