@@ -144,9 +144,11 @@ play() {
   local folder=$out/processes/$name
   rm -rf "$folder"
   mkdir -p "$folder"
-  # Stopped from the last to the first: the recorder hears the others' end.
+  # Stopped from the last to the first: the recorder hears the others' end. It
+  # goes first for the processor where that is allowed, since LCM keeps only 30
+  # messages for it.
   cat >"$folder/list" <<LIST
-lcm_logger: lcm-logger --quiet --force --lcm-url='$url' '$out/$name.lcm'
+lcm_logger: nice -n -10 lcm-logger --quiet --force --lcm-url='$url' '$out/$name.lcm'
 pose_filter: '$bin/pose_filter' --lcm-url '$url'
 batch_refiner: '$bin/batch_refiner' --lcm-url '$url'
 LIST

@@ -334,6 +334,9 @@ void LcmBus::PublishRaw(std::string_view channel,
                   std::string(channel).c_str(),
                   data.data(),
                   static_cast<unsigned int>(data.size())) == 0) {
+    // 30 messages take 60 ms: longer than a receiver waits for its turn.
+    constexpr std::chrono::milliseconds kPause(2);
+    if (is_paced_) std::this_thread::sleep_for(kPause);
     return;
   }
   // A network that went away may come back: the process lives on.

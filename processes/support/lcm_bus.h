@@ -45,6 +45,10 @@ class LcmBus final : public CountingBus {
   void Start();
   // Stops to receive. What waits can still be handled.
   void Stop();
+  // From now on a pause after each message: what a process still has to say at
+  // its end comes in one burst, and receivers built on LCM alone (lcm-logger,
+  // lcm-spy) keep 30 messages of a subscription and drop the rest.
+  void PaceLastWords() { is_paced_ = true; }
 
   // Handles the message that arrived first; false where none waits. What a
   // handler throws passes through, and so does what ended the receiving
@@ -117,6 +121,7 @@ class LcmBus final : public CountingBus {
   std::int64_t num_unsent_shown_ = 0;
   std::int64_t num_datagrams_shown_ = 0;
   std::int64_t num_datagrams_warned_ = 0;
+  bool is_paced_ = false;
   std::string twin_;
   Steady::time_point twin_seen_;
   bool has_warned_of_twin_ = false;

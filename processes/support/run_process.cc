@@ -122,6 +122,7 @@ int RunLive(const ProcessClass& process_class,
     bus.Stop();
     while (!signals.Take() && bus.HandleOne()) {
     }
+    bus.PaceLastWords();
     process->Finish();
   } catch (const std::exception& error) {
     // The last word on the bus says why.

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <lcm/lcm-cpp.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -55,7 +56,10 @@ Steady::duration FromSeconds(double seconds) {
 // True once `is_done` says so, false once the time has passed.
 template <typename IsDone>
 bool WaitUntil(const WaitOptions& options, Seen* seen, const IsDone& is_done) {
-  const std::string url = LcmUrl(options.url);
+  // No more than can be had, or LCM complains; a lost message costs nothing.
+  const std::string wanted = LcmUrl(options.url);
+  const std::string url = WithReceiveBuffer(
+      wanted, std::min(ReceiveBufferOf(wanted), 2 * LargestReceiveBuffer()));
   CheckLcmReachable(url);
   lcm::LCM lcm(url);
   if (!lcm.good()) throw InputError("LCM cannot be created with " + url);
