@@ -99,12 +99,22 @@ std::vector<LogEvent> ReadLog(const std::string& path) {
   return events;
 }
 
+ReplayOptions Options(const std::string& log_in,
+                      const std::string& log_out,
+                      IfExists if_exists) {
+  ReplayOptions options;
+  options.log_in = log_in;
+  options.log_out = log_out;
+  options.if_exists = if_exists;
+  return options;
+}
+
 ReplayReport Replay(const std::string& log_in,
                     const std::string& log_out,
                     const std::vector<std::string>& settings = {}) {
   return RunReplay(
       {ReplayProcess{MakeProcessClass<EchoProcess>(), "", settings}},
-      {log_in, log_out, IfExists::kReplace, {}});
+      Options(log_in, log_out, IfExists::kReplace));
 }
 
 TEST(ReplayBus, OutputsFollowTheirInputAndRecordedOnesAreLeftOut) {
@@ -269,7 +279,7 @@ TEST(ReplayBus, BadFilesAreRefused) {
   const std::string out = WriteLog("replay_out.lcm", {});
   EXPECT_THROW(
       (void)RunReplay({ReplayProcess{MakeProcessClass<EchoProcess>(), "", {}}},
-                      {in, out, IfExists::kFail, {}}),
+                      Options(in, out, IfExists::kFail)),
       InputError);
   std::remove(in.c_str());
   std::remove(out.c_str());
@@ -279,9 +289,10 @@ TEST(ReplayBus, StopEndsLikeTheEndOfTheLog) {
   const std::string in = WriteLog("replay_in.lcm", Recording(2));
   const std::string out = testing::TempDir() + "replay_out.lcm";
   int num_asked = 0;
-  const ReplayReport report =
-      RunReplay({ReplayProcess{MakeProcessClass<EchoProcess>(), "", {}}},
-                {in, out, IfExists::kReplace, [&] { return ++num_asked > 9; }});
+  ReplayOptions options = Options(in, out, IfExists::kReplace);
+  options.stop = [&] { return ++num_asked > 9; };
+  const ReplayReport report = RunReplay(
+      {ReplayProcess{MakeProcessClass<EchoProcess>(), "", {}}}, options);
   EXPECT_TRUE(report.was_stopped);
   EXPECT_EQ(report.read.num_events, 9);
   const auto events = ReadLog(out);
@@ -295,7 +306,7 @@ TEST(ReplayBus, StopEndsLikeTheEndOfTheLog) {
 TEST(ReplayBus, OneProcessNamedTwiceIsRefused) {
   const std::string in = WriteLog("replay_in.lcm", Recording(1));
   const ReplayProcess echo{MakeProcessClass<EchoProcess>(), "", {}};
-  EXPECT_THROW((void)RunReplay({echo, echo}, {in, "", IfExists::kFail, {}}),
+  EXPECT_THROW((void)RunReplay({echo, echo}, Options(in, "", IfExists::kFail)),
                InputError);
   std::remove(in.c_str());
 }
