@@ -18,14 +18,17 @@ using testing::Not;
 
 // End points of the first line: "M x y L x y ...".
 std::vector<PlotPoint> LinePoints(const std::string& svg) {
-  const std::regex path("class=\"line [a-z ]*\" d=\"(M[^\"]*)\"");
+  // A regular expression finds where the path begins, but does not match the
+  // whole of it: std::regex recurses once for each character.
+  const std::regex path("class=\"line [a-z ]*\" d=\"M");
   std::smatch match;
   std::vector<PlotPoint> points;
   // The legend's sample comes first.
   std::string rest = svg.substr(
       svg.find("</ul>") == std::string::npos ? 0 : svg.find("</ul>"));
   if (!std::regex_search(rest, match, path)) return points;
-  const std::string text = match[1];
+  const std::string suffix = match.suffix();
+  const std::string text = "M" + suffix.substr(0, suffix.find('"'));
   const std::regex number("[ML]([-0-9.]+) ([-0-9.]+)");
   for (std::sregex_iterator i(text.begin(), text.end(), number), end; i != end;
        ++i) {
