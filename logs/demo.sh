@@ -46,13 +46,15 @@ done
 
 # ---- what to play ----------------------------------------------------------
 
-# name|input of the importer
+# name|input|flags of the importer. Fixes are samples of the reference with
+# noise added: 2 cm by default, 5 mm where motion capture is the reference, or
+# the fixes would be worse than these robots' dead reckoning.
 recordings=(
-  "lego|brenner_lego_robot4"
-  "square|optiodom_diffdrive/square/230620202042/230620202042_run-01.csv"
-  "circular|optiodom_diffdrive/circular/231220200121/231220200121_run-01.csv"
-  "ivanjko|optiodom_diffdrive/ivanjko/231220200057/231220200057_run-01.csv"
-  "maebot|lcm_maebot_logs/rob550_convex.log"
+  "lego|brenner_lego_robot4|"
+  "square|optiodom_diffdrive/square/230620202042/230620202042_run-01.csv|--noise-m 0.005"
+  "circular|optiodom_diffdrive/circular/231220200121/231220200121_run-01.csv|--noise-m 0.005"
+  "ivanjko|optiodom_diffdrive/ivanjko/231220200057/231220200057_run-01.csv|--noise-m 0.005"
+  "maebot|lcm_maebot_logs/rob550_convex.log|"
 )
 is_wanted() {
   ((${#wanted[@]})) || return 0
@@ -62,12 +64,13 @@ is_wanted() {
 }
 names=()
 inputs=()
+options=()
 kinds=()
 for recording in "${recordings[@]}"; do
-  name=${recording%%|*}
-  input=$data/${recording#*|}
+  IFS='|' read -r name input flags <<<"$recording"
+  input=$data/$input
   if is_wanted "$name" && [[ -e $input ]]; then
-    names+=("$name") inputs+=("$input") kinds+=(import)
+    names+=("$name") inputs+=("$input") options+=("$flags") kinds+=(import)
   fi
 done
 use_samples=0
@@ -76,7 +79,7 @@ if ((${#names[@]} == 0 || ${#wanted[@]})); then
     [[ -e $input ]] || continue
     name=$(basename "${input%.*}")
     if ((${#wanted[@]} == 0)) || is_wanted "$name"; then
-      names+=("$name") inputs+=("$input") kinds+=(sample)
+      names+=("$name") inputs+=("$input") options+=("") kinds+=(sample)
       use_samples=1
     fi
   done
@@ -180,7 +183,9 @@ for i in "${!names[@]}"; do
   input=${inputs[i]}
   if [[ ${kinds[i]} == import ]]; then
     input=$out/in/$name.lcm
-    "$bin/waymark-log" import --force "${inputs[i]}" "$input" \
+    read -ra flags <<<"${options[i]}"
+    "$bin/waymark-log" import --force "${flags[@]+"${flags[@]}"}" \
+      "${inputs[i]}" "$input" \
       >"$out/in/$name.txt" 2>&1 || { cat "$out/in/$name.txt" >&2; exit 1; }
   fi
   say "demo: [$((i + 1))/${#names[@]}] $name: playing ${inputs[i]#"$data"/} at $speed times its speed"

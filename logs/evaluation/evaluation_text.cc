@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 namespace waymark {
 namespace {
@@ -131,6 +132,32 @@ std::string MetresText(double metres) {
   return fmt::format("{:.{}f} mm", metres * 1e3, metres < 0.1 ? 2 : 1);
 }
 
+std::string FixesText(const LogRecording& recording) {
+  struct Source {
+    int num = 0;
+    double sigma_m = 0.0;
+  };
+  std::map<std::string, Source> sources;
+  for (const AbsoluteFix& fix : recording.fixes) {
+    Source& source = sources[fix.source];
+    const int k = fix.has[0] ? 0 : 1;
+    if (source.num == 0 && fix.has[static_cast<std::size_t>(k)]) {
+      source.sigma_m = std::sqrt(fix.covariance(k, k));
+    }
+    ++source.num;
+  }
+  std::string text;
+  for (const auto& [name, source] : sources) {
+    text += fmt::format(
+        "{}{} fixes from '{}'{}",
+        text.empty() ? "" : "; ",
+        source.num,
+        name,
+        source.sigma_m > 0.0 ? ", sigma " + MetresText(source.sigma_m) : "");
+  }
+  return text.empty() ? "no position fixes" : text;
+}
+
 std::string TableOf(const LogEvaluation& evaluation) {
   const LogRecording& recording = evaluation.recording;
   std::string text =
@@ -144,6 +171,7 @@ std::string TableOf(const LogEvaluation& evaluation) {
                         evaluation.truth_duration_s,
                         recording.truth_source);
   }
+  text += "  " + FixesText(recording) + "\n";
   AppendEstimates(evaluation, &text);
   AppendParameters(evaluation, &text);
   AppendHealth(recording, &text);

@@ -20,6 +20,9 @@ namespace waymark {
 // The schema "waymark-evaluation-1" of logs/evaluation/README.md.
 [[nodiscard]] nlohmann::json JsonOf(const LogEvaluation& evaluation);
 
+// How many POSITION_FIX of which source, with the first one's sigma.
+[[nodiscard]] std::string FixesText(const LogRecording& recording);
+
 // 12.3 mm or 1.234 m: three to four digits, the unit that reads best.
 [[nodiscard]] std::string MetresText(double metres);
 

@@ -288,13 +288,12 @@ std::string Section(const LogEvaluation& evaluation, std::size_t index) {
                      "</h2>\n";
   if (!recording.truth.empty()) {
     text += fmt::format(
-        "<p>Reference: {} samples, {:.2f} m in {:.1f} s ({}). {} position "
-        "fixes.</p>\n",
+        "<p>Reference: {} samples, {:.2f} m in {:.1f} s ({}). {}.</p>\n",
         recording.truth.size(),
         evaluation.path_m,
         evaluation.truth_duration_s,
         EscapeHtml(recording.truth_source),
-        recording.fixes.size());
+        EscapeHtml(FixesText(recording)));
   }
   if (!evaluation.notes.empty()) {
     text += "<ul class=\"notes\">\n";

@@ -205,6 +205,9 @@ TEST_F(LogEvaluationTest, TableAndJsonSayTheSame) {
   const std::string table = TableOf(e);
   EXPECT_THAT(table, HasSubstr("[reference-aided]"));
   EXPECT_THAT(table, HasSubstr("online (POSE_SETTLED)"));
+  EXPECT_THAT(
+      table,
+      HasSubstr("120 fixes from 'reference, every 10th', sigma 10.00 mm"));
   EXPECT_THAT(SummaryTableOf({&e, 1}), HasSubstr("* reference-aided"));
   const auto json = JsonOf(e);
   EXPECT_EQ(json["schema"], "waymark-evaluation-1");
