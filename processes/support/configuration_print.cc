@@ -123,19 +123,19 @@ class Printer final : public Collector {
   void Group(std::string_view key,
              const std::function<void()>& describe,
              std::string_view /*help*/) override {
-    text_ += fmt::format("{}{}:\n", indent_, key);
+    text += fmt::format("{}{}:\n", indent_, key);
     indent_ += "  ";
     describe();
     indent_.resize(indent_.size() - 2);
   }
-  std::string text_;
+  std::string text;
 
  protected:
   void Add(std::string_view key,
            const std::string& value,
            const std::string& /*allowed*/,
            std::string_view /*help*/) override {
-    text_ += fmt::format("{}{}: {}\n", indent_, key, value);
+    text += fmt::format("{}{}: {}\n", indent_, key, value);
   }
 
  private:
@@ -154,7 +154,7 @@ class ReferenceWriter final : public Collector {
     describe();
     prefix_ = outer;
   }
-  std::string text_ =
+  std::string text =
       "| key | default | allowed | meaning |\n"
       "|---|---|---|---|\n";
 
@@ -178,16 +178,16 @@ class ReferenceWriter final : public Collector {
            const std::string& value,
            const std::string& allowed,
            std::string_view help) {
-    text_ += '|';
+    text += '|';
     for (const std::string_view cell : {std::string_view(key),
                                         std::string_view(value),
                                         std::string_view(allowed),
                                         help}) {
-      text_ += ' ';
-      for (const char c : cell) text_ += c == '|' ? "\\|" : std::string(1, c);
-      text_ += " |";
+      text += ' ';
+      for (const char c : cell) text += c == '|' ? "\\|" : std::string(1, c);
+      text += " |";
     }
-    text_ += '\n';
+    text += '\n';
   }
   std::string prefix_;
 };
@@ -220,13 +220,13 @@ std::string IntegerRange(std::int64_t min, std::int64_t max) {
 std::string PrintConfiguration(const DescribeFunction& describe) {
   Printer printer;
   describe(printer);
-  return printer.text_;
+  return printer.text;
 }
 
 std::string DescribeConfiguration(const DescribeFunction& describe) {
   ReferenceWriter writer;
   describe(writer);
-  return writer.text_;
+  return writer.text;
 }
 
 }  // namespace waymark

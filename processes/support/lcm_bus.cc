@@ -114,7 +114,7 @@ bool IsPowerOfTen(std::int64_t count) {
 
 }  // namespace
 
-void LcmBus::LcmCloser::operator()(_lcm_t* lcm) const {
+void LcmBus::LcmCloser::operator()(lcm_t* lcm) const {
   lcm_destroy(lcm);
 }
 

@@ -5,6 +5,8 @@
 #include "processes/support/mailbox.h"
 #include "processes/support/mutex.h"
 
+#include <lcm/lcm.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -15,8 +17,6 @@
 #include <string_view>
 #include <thread>
 #include <vector>
-
-struct _lcm_t;
 
 namespace waymark {
 
@@ -90,7 +90,7 @@ class LcmBus final : public CountingBus {
     std::vector<std::size_t> subscriptions;
   };
   struct LcmCloser {
-    void operator()(_lcm_t* lcm) const;
+    void operator()(lcm_t* lcm) const;
   };
 
   void Receive();
@@ -109,7 +109,7 @@ class LcmBus final : public CountingBus {
   int wake_fd_ = -1;
   int stop_fd_ = -1;
   std::string host_;
-  std::unique_ptr<_lcm_t, LcmCloser> lcm_;
+  std::unique_ptr<lcm_t, LcmCloser> lcm_;
   std::vector<std::unique_ptr<Route>> routes_;
   Mailbox mailbox_;
 

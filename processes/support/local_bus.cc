@@ -51,7 +51,7 @@ class LocalBus::Impl {
   };
 
   void Queue(Time time, Event event) {
-    events_.emplace(std::pair(std::max(time, now_), next_sequence_++),
+    events_.emplace(std::pair(std::max(time, now), next_sequence_++),
                     std::move(event));
   }
 
@@ -59,7 +59,7 @@ class LocalBus::Impl {
   bool Step(Time end) {
     const auto next = events_.begin();
     if (next == events_.end() || next->first.first > end) return false;
-    now_ = next->first.first;
+    now = next->first.first;
     Event event = std::move(next->second);
     events_.erase(next);
     if (event.action) {
@@ -68,20 +68,20 @@ class LocalBus::Impl {
     }
     const auto data =
         std::make_shared<const std::vector<std::uint8_t>>(event.data);
-    recording_.push_back(
-        RawMessage{std::move(event.channel), std::move(event.data), now_});
+    recording.push_back(
+        RawMessage{std::move(event.channel), std::move(event.data), now});
     // A copy: a handler that adds a process or publishes must not move it.
-    const std::string channel = recording_.back().channel;
-    const RawMessage arrived{channel, {}, now_};
-    for (std::size_t i = 0; i < processes_.size(); ++i) {
-      processes_[i]->OnArrival(arrived, data);
+    const std::string channel = recording.back().channel;
+    const RawMessage arrived{channel, {}, now};
+    for (std::size_t i = 0; i < processes.size(); ++i) {
+      processes[i]->OnArrival(arrived, data);
     }
     return true;
   }
 
-  std::vector<std::unique_ptr<Process>> processes_;
-  std::vector<RawMessage> recording_;
-  Time now_;
+  std::vector<std::unique_ptr<Process>> processes;
+  std::vector<RawMessage> recording;
+  Time now;
 
  private:
   std::map<std::pair<Time, std::int64_t>, Event> events_;
@@ -102,10 +102,10 @@ void LocalBus::Process::Serve() {
     Deliver(item->subscription, *item->data, item->arrival);
     if (latency_ == Duration(0)) continue;
     is_busy_ = true;
-    world_->Queue(world_->now_ + latency_, {{}, {}, [this] {
-                                              is_busy_ = false;
-                                              Serve();
-                                            }});
+    world_->Queue(world_->now + latency_, {{}, {}, [this] {
+                                             is_busy_ = false;
+                                             Serve();
+                                           }});
     return;
   }
 }
@@ -114,7 +114,7 @@ void LocalBus::Process::PublishRaw(std::string_view channel,
                                    std::span<const std::uint8_t> data,
                                    Time /*utime*/) {
   if (!is_test_) CountPublished(channel);
-  world_->Queue(world_->now_ + latency_,
+  world_->Queue(world_->now + latency_,
                 {std::string(channel), {data.begin(), data.end()}, {}});
 }
 
@@ -128,12 +128,12 @@ status_t LocalBus::Process::MakeStatus() {
     status.num_received += counts.num_arrived;
     status.num_dropped += counts.num_dropped;
   }
-  status.utime = Microseconds(world_->now_);
+  status.utime = Microseconds(world_->now);
   return status;
 }
 
 LocalBus::LocalBus() : impl_(std::make_unique<Impl>()) {
-  impl_->processes_.push_back(
+  impl_->processes.push_back(
       std::make_unique<Process>("test", Duration(0), true, impl_.get()));
 }
 
@@ -141,13 +141,13 @@ LocalBus::~LocalBus() = default;
 
 Bus* LocalBus::AddProcess(std::string name, Duration handler_latency) {
   WAYMARK_CHECK(handler_latency >= Duration(0), handler_latency.count());
-  impl_->processes_.push_back(std::make_unique<Process>(
+  impl_->processes.push_back(std::make_unique<Process>(
       std::move(name), handler_latency, false, impl_.get()));
-  return impl_->processes_.back().get();
+  return impl_->processes.back().get();
 }
 
 Bus* LocalBus::bus() {
-  return impl_->processes_.front().get();
+  return impl_->processes.front().get();
 }
 
 void LocalBus::PublishBytesAt(Time arrival,
@@ -168,19 +168,19 @@ void LocalBus::Run() {
 void LocalBus::RunUntil(Time end) {
   while (impl_->Step(end)) {
   }
-  impl_->now_ = std::max(impl_->now_, end);
+  impl_->now = std::max(impl_->now, end);
 }
 
 Time LocalBus::now() const {
-  return impl_->now_;
+  return impl_->now;
 }
 
 const std::vector<RawMessage>& LocalBus::recording() const {
-  return impl_->recording_;
+  return impl_->recording;
 }
 
 status_t LocalBus::Status(std::string_view name) const {
-  for (const auto& process : impl_->processes_) {
+  for (const auto& process : impl_->processes) {
     if (process->process() == name) return process->MakeStatus();
   }
   WAYMARK_CHECK(false, "no process", name);

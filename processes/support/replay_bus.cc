@@ -21,7 +21,7 @@ class ReplayBus::Process final : public CountingBus {
  public:
   Process(std::string name, std::string yaml, Impl* world)
       : CountingBus(std::move(name)),
-        reporter_(this, std::move(yaml)),
+        reporter(this, std::move(yaml)),
         world_(world) {}
 
   [[nodiscard]] bool is_offline() const override { return true; }
@@ -33,7 +33,7 @@ class ReplayBus::Process final : public CountingBus {
     }
   }
 
-  StatusReporter reporter_;
+  StatusReporter reporter;
 
  protected:
   void SubscribeRaw(Subscription subscription) override {
@@ -55,11 +55,11 @@ class ReplayBus::Impl {
 
   void Handle(const LogEvent& event) {
     now_ = event.time;
-    if (!std::exchange(has_begun_, true)) Report();
+    if (!std::exchange(has_begun, true)) Report();
     DeliverQueued();
-    for (const auto& process : processes_) {
+    for (const auto& process : processes) {
       if (!process->IsOwn(event.channel, event.data)) continue;
-      ++num_left_out_;
+      ++num_left_out;
       return;
     }
     Deliver(RawMessage{event.channel, event.data, event.time});
@@ -69,8 +69,8 @@ class ReplayBus::Impl {
 
   void Finish() {
     DeliverQueued();
-    for (const auto& process : processes_) {
-      process->reporter_.ReportStatus(now_.time_since_epoch());
+    for (const auto& process : processes) {
+      process->reporter.ReportStatus(now_.time_since_epoch());
     }
     DeliverQueued();
   }
@@ -80,14 +80,14 @@ class ReplayBus::Impl {
         RawMessage{std::string(channel), {data.begin(), data.end()}, now_});
   }
 
-  std::vector<std::unique_ptr<Process>> processes_;
-  bool has_begun_ = false;
-  std::int64_t num_left_out_ = 0;
+  std::vector<std::unique_ptr<Process>> processes;
+  bool has_begun = false;
+  std::int64_t num_left_out = 0;
 
  private:
   void Deliver(const RawMessage& message) {
     if (write_) write_(message.log_time, message.channel, message.data);
-    for (const auto& process : processes_) process->OnMessage(message);
+    for (const auto& process : processes) process->OnMessage(message);
   }
 
   void DeliverQueued() {
@@ -100,8 +100,8 @@ class ReplayBus::Impl {
   }
 
   void Report() {
-    for (const auto& process : processes_) {
-      process->reporter_.Report(now_.time_since_epoch());
+    for (const auto& process : processes) {
+      process->reporter.Report(now_.time_since_epoch());
     }
     DeliverQueued();
   }
@@ -124,10 +124,10 @@ ReplayBus::ReplayBus(Sink write)
 ReplayBus::~ReplayBus() = default;
 
 Bus* ReplayBus::AddProcess(std::string name, std::string yaml) {
-  WAYMARK_CHECK(!impl_->has_begun_, name);
-  impl_->processes_.push_back(
+  WAYMARK_CHECK(!impl_->has_begun, name);
+  impl_->processes.push_back(
       std::make_unique<Process>(std::move(name), std::move(yaml), impl_.get()));
-  return impl_->processes_.back().get();
+  return impl_->processes.back().get();
 }
 
 void ReplayBus::Handle(const LogEvent& event) {
@@ -139,7 +139,7 @@ void ReplayBus::Finish() {
 }
 
 status_t ReplayBus::Status(std::string_view name) const {
-  for (const auto& process : impl_->processes_) {
+  for (const auto& process : impl_->processes) {
     if (process->process() == name) return process->MakeStatus();
   }
   WAYMARK_CHECK(false, "no process", name);
@@ -147,7 +147,7 @@ status_t ReplayBus::Status(std::string_view name) const {
 }
 
 std::int64_t ReplayBus::num_left_out() const {
-  return impl_->num_left_out_;
+  return impl_->num_left_out;
 }
 
 namespace {
