@@ -20,8 +20,7 @@ BatchLog BatchLogFromRecording(const Recording& recording,
     fix.source = reference.source;
     fix.has = {true, true, sample.heading.has_value()};
     fix.value << sample.p_WS, sample.heading.value_or(0.0);
-    fix.covariance =
-        sigma.value_or(reference.sigma).cwiseAbs2().asDiagonal();
+    fix.covariance = sigma.value_or(reference.sigma).cwiseAbs2().asDiagonal();
     fix.X_RS = {sample.p_RS.x(), sample.p_RS.y(), 0.0};
     log.fixes.push_back(fix);
   }
@@ -42,13 +41,12 @@ double DeadReckoningRmse(const Recording& recording,
     const double next = track.SecondsAt(sample.time) - time_offset_s;
     if (next < 0.0 || next > track.duration()) continue;
     if (count > 0) {
-      now = now * track
-                      .Integrate(time,
-                                 next,
-                                 parameters,
-                                 DriveNoise{},
-                                 DriveIntegration::kArc)
-                      .X_R0R1;
+      now =
+          now *
+          track
+              .Integrate(
+                  time, next, parameters, DriveNoise{}, DriveIntegration::kArc)
+              .X_R0R1;
     }
     squares += (now * p_RS - sample.p_WS).squaredNorm();
     ++count;
