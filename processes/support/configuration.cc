@@ -72,9 +72,9 @@ YAML::Node LoadDocument(const std::string& text, const std::string& name) {
 // Sets fields from one YAML document.
 class Loader final : public Describer {
  public:
-  Loader(YAML::Node root, std::string source, bool has_lines)
+  Loader(const YAML::Node& root, std::string source, bool has_lines)
       : source_(std::move(source)), has_lines_(has_lines) {
-    Enter(std::move(root));
+    Enter(root);
   }
 
   void Finish() { Leave(); }
@@ -193,7 +193,7 @@ class Loader final : public Describer {
   };
 
   // Checks for keys given twice: yaml-cpp keeps both and finds the first.
-  void Enter(YAML::Node node) {
+  void Enter(const YAML::Node& node) {
     std::set<std::string> seen;
     for (const auto& entry : node) {
       if (!entry.first.IsScalar()) {
@@ -205,7 +205,7 @@ class Loader final : public Describer {
                                      FullKey(entry.first.Scalar())));
       }
     }
-    levels_.push_back(Level{std::move(node), {}});
+    levels_.push_back(Level{node, {}});
   }
 
   void Leave() {
