@@ -98,9 +98,11 @@ class CsvExporter {
       if (table.is_too_wide || table.columns.empty()) continue;
       std::string name = FileNamePart(key.first);
       if (num_types[key.first] > 1) name += "." + FileNamePart(key.second);
-      table.file = std::make_unique<OutputFile>(folder + "/" + name + ".csv");
+      name += ".csv";
+      table.file = std::make_unique<OutputFile>(
+          (std::filesystem::path(folder) / name).string());
       std::string header = "event_utime";
-      for (const auto& column : table.columns) header += "," + column;
+      for (const auto& column : table.columns) header.append(1, ',') += column;
       table.file->Write(header + "\n");
     }
   }
@@ -120,7 +122,7 @@ class CsvExporter {
               });
           if (!reason.empty()) return false;
           std::string row = std::to_string(Microseconds(event.time));
-          for (const auto& cell : cells) row += "," + cell;
+          for (const auto& cell : cells) row.append(1, ',') += cell;
           table->file->Write(row + "\n");
           ++table->num_rows;
           return true;
@@ -140,7 +142,9 @@ class CsvExporter {
       report.files.push_back({table.file->path(), table.num_rows});
     }
     for (const auto& [channel, type] : unknown_) {
-      report.left_out.push_back(channel + ": its type is not known: " + type);
+      std::string reason = channel;
+      reason += ": its type is not known: ";
+      report.left_out.push_back(reason += type);
     }
     return report;
   }
