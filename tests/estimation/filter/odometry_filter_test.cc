@@ -199,6 +199,33 @@ TEST(OdometryFilter, WrongWheelsDoNotHideTheStart) {
   }
 }
 
+// With every fifth position faulty it may take longer, but is never wrong.
+TEST(OdometryFilter, FaultyPositionsDelayTheStartButNeverMisplaceIt) {
+  for (int k = 0; k < 4; ++k) {
+    OdometrySceneOptions options =
+        SceneOptions(900 + static_cast<std::uint64_t>(k), 60);
+    options.has_heading = false;
+    options.drive.start = {1, 2, WrapAngle(1.7 * k)};
+    OdometryScene scene = MakeOdometryScene(options);
+    Random random(static_cast<std::uint64_t>(k));
+    for (AbsoluteFix& fix : scene.fixes) {
+      if (random.Uniform() > 0.2) continue;
+      const double direction = random.Uniform(-kPi, kPi);
+      const double size = random.Uniform(0.5, 3);
+      fix.value.x() += size * std::cos(direction);
+      fix.value.y() += size * std::sin(direction);
+    }
+    OdometryFilter filter(Options());
+    Drive(scene, &filter, [&](std::size_t i) {
+      const PoseEstimate estimate = filter.estimate();
+      if (estimate.is_known) {
+        ASSERT_LT(Distance(estimate, scene.truth[i]), 0.3) << k << " " << i;
+      }
+    });
+    EXPECT_TRUE(filter.estimate().is_known) << filter.estimate().reason;
+  }
+}
+
 TEST(OdometryFilter, FullPosesFindTheStartAtOnce) {
   const OdometryScene scene = MakeOdometryScene(SceneOptions(9, 5));
   OdometryFilter filter(Options());
