@@ -128,6 +128,8 @@ std::string DamageText(const std::string& path,
 std::string DateText(Time time) {
   const std::int64_t utime = Microseconds(time);
   const std::int64_t seconds = utime / 1'000'000 - (utime % 1'000'000 < 0);
+  const std::int64_t micros =
+      utime % 1'000'000 + (utime % 1'000'000 < 0 ? 1'000'000 : 0);
   const auto calendar_seconds = static_cast<std::time_t>(seconds);
   std::tm calendar{};
   if (gmtime_r(&calendar_seconds, &calendar) == nullptr) {
@@ -140,7 +142,7 @@ std::string DateText(Time time) {
                 sizeof(result),
                 "%s.%03d UTC",
                 text,
-                static_cast<int>((utime - seconds * 1'000'000) / 1000));
+                static_cast<int>(micros / 1000));
   return result;
 }
 
