@@ -145,7 +145,7 @@ blame() {
 play() {
   local name=$1 input=$2
   local folder=$out/processes/$name
-  rm -rf "$folder"
+  rm -rf "$folder" "$out/$name.lcm"
   mkdir -p "$folder"
   # Stopped from the last to the first: the recorder hears the others' end. It
   # goes first for the processor where that is allowed, since LCM keeps only 30
@@ -161,6 +161,16 @@ LIST
   launcher_pid=$!
   "$bin/waymark-wait" status pose_filter batch_refiner --timeout 30 \
     --lcm-url "$url" || { blame "$folder"; return 1; }
+  # The recorder listens once it has written a STATUS.
+  local deadline=$((SECONDS + 20))
+  until [[ -s $out/$name.lcm ]]; do
+    if ((SECONDS > deadline)); then
+      say "demo: lcm-logger writes nothing to $out/$name.lcm" >&2
+      blame "$folder"
+      return 1
+    fi
+    sleep 0.1
+  done
   lcm-logplayer --lcm-url="$url" --speed="$speed" "$input" \
     </dev/null >"$folder/lcm_logplayer.txt" 2>&1 9>&- &
   player_pid=$!

@@ -183,15 +183,18 @@ std::string TableOf(const LogEvaluation& evaluation) {
 
 std::string SummaryTableOf(std::span<const LogEvaluation> evaluations) {
   const auto line = [](const auto&... cells) {
-    return fmt::format("{:<34}{:>8}{:>11}{:>11}{:>11}{:>11}{:>9}\n", cells...);
+    return fmt::format("{:<22}{:>8}{:>10}{:>10}{:>10}{:>10}{:>8}{:>11}{:>12}\n",
+                       cells...);
   };
-  std::string text = line("position error (RMSE)",
+  std::string text = line("RMSE of position",
                           "path",
                           "raw",
+                          "batch",
                           "online",
                           "settled",
-                          "batch",
-                          "NEES in");
+                          "NEES in",
+                          "raw SE(2)",
+                          "batch SE(2)");
   bool is_any_aided = false;
   for (const LogEvaluation& evaluation : evaluations) {
     const auto rmse = [&](std::string_view id) {
@@ -202,21 +205,28 @@ std::string SummaryTableOf(std::span<const LogEvaluation> evaluations) {
     const EstimateEvaluation* settled = evaluation.Find("settled");
     const bool is_aided = evaluation.recording.is_reference_aided();
     is_any_aided |= is_aided;
-    std::string raw = rmse("raw");
-    if (raw == "-") raw = rmse("raw_nominal");
+    const auto aligned = [&](std::string_view id) {
+      const EstimateEvaluation* estimate = evaluation.Find(id);
+      return estimate == nullptr ? std::string("-") : RmseOf(estimate->aligned);
+    };
+    const std::string_view raw = rmse("raw") == "-" ? "raw_nominal" : "raw";
     text += line(evaluation.name + (is_aided ? " *" : ""),
                  fmt::format("{:.2f} m", evaluation.path_m),
-                 raw,
+                 rmse(raw),
+                 rmse("dead_reckoning_batch"),
                  rmse("online"),
                  rmse("settled"),
-                 rmse("dead_reckoning_batch"),
                  settled != nullptr && settled->nees_position
                      ? PercentText(settled->nees_position->share_inside)
-                     : "-");
+                     : "-",
+                 aligned(raw),
+                 aligned("dead_reckoning_batch"));
   }
   text +=
       "raw, batch: dead reckoning with nominal and with batch parameters; "
-      "online, settled: POSE, POSE_SETTLED\n";
+      "online, settled: POSE, POSE_SETTLED.\n"
+      "SE(2): after the best rotation and shift, so that a wrong first heading "
+      "does not count.\n";
   if (is_any_aided) {
     text +=
         "* reference-aided: fed with thinned, noisy samples of the reference, "

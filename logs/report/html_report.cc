@@ -50,6 +50,13 @@ Cell RmseCell(const EstimateEvaluation* estimate) {
           ""};
 }
 
+Cell AlignedCell(const EstimateEvaluation* estimate) {
+  return {estimate != nullptr && estimate->aligned
+              ? MetresText(estimate->aligned->position_summary.rmse)
+              : "–",
+          ""};
+}
+
 const EstimateEvaluation* RawOf(const LogEvaluation& evaluation) {
   const EstimateEvaluation* raw = evaluation.Find("raw");
   return raw != nullptr && raw->absolute ? raw : evaluation.Find("raw_nominal");
@@ -74,7 +81,9 @@ std::string Summary(std::span<const LogEvaluation> evaluations) {
                                        {"batch", ""},
                                        {"online", ""},
                                        {"settled", ""},
-                                       {"NEES in band", ""}}};
+                                       {"NEES in band", ""},
+                                       {"raw aligned", ""},
+                                       {"batch aligned", ""}}};
   for (const LogEvaluation& e : evaluations) {
     const EstimateEvaluation* settled = e.Find("settled");
     rows.push_back(
@@ -88,15 +97,18 @@ std::string Summary(std::span<const LogEvaluation> evaluations) {
          {settled != nullptr && settled->nees_position
               ? Percent(settled->nees_position->share_inside)
               : "–",
-          ""}});
+          ""},
+         AlignedCell(RawOf(e)),
+         AlignedCell(e.Find("dead_reckoning_batch"))});
   }
   std::string text =
       "<h2>Summary</h2>\n<p>Root mean square distance between the estimated "
-      "and the reference position, without any alignment. <b>raw</b>: dead "
+      "and the reference position. <b>raw</b>: dead "
       "reckoning with nominal wheel parameters. <b>batch</b>: the same wheel "
       "ticks with the parameters that the batch refiner found. <b>online</b>, "
       "<b>settled</b>: the filter's pose at once, and after its window for "
-      "late measurements has closed.</p>\n" +
+      "late measurements has closed. <b>aligned</b>: after the best rotation "
+      "and shift, so that a wrong first heading does not count.</p>\n" +
       Table(rows);
   if (std::any_of(evaluations.begin(), evaluations.end(), [](const auto& e) {
         return e.recording.is_reference_aided();

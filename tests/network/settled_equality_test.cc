@@ -8,11 +8,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace waymark {
@@ -42,6 +44,12 @@ std::string Difference(const std::vector<std::vector<std::uint8_t>>& a,
   const auto byte =
       std::mismatch(i->begin(), i->end(), j->begin(), j->end()).first;
   return text + ", from byte " + std::to_string(byte - i->begin());
+}
+
+bool HasContent(const std::string& path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return !error && size > 0;
 }
 
 class SettledEqualityTest : public NetworkTest,
@@ -74,8 +82,8 @@ class SettledEqualityTest : public NetworkTest,
                          kUrl,
                          recorded});
     ChildProcess filter({BuildPath("bin/pose_filter"), "--lcm-url", kUrl});
-    // The player starts after STATUS is seen: then inputs are heard. STATUS
-    // comes once a second, by then the recorder listens too.
+    // The player starts after STATUS is seen, by this test and by the recorder:
+    // then every input is heard.
     const ChildResult seen = RunChild({BuildPath("bin/waymark-wait"),
                                        "status",
                                        "pose_filter",
@@ -84,6 +92,10 @@ class SettledEqualityTest : public NetworkTest,
                                        "--lcm-url",
                                        kUrl});
     ASSERT_EQ(seen.exit_code, 0) << seen.err;
+    for (int i = 0; i < 200 && !HasContent(recorded); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    ASSERT_TRUE(HasContent(recorded));
     const ChildResult played = RunChild({"/usr/bin/lcm-logplayer",
                                          "--speed",
                                          "10",
