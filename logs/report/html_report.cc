@@ -205,8 +205,7 @@ std::string ParametersTable(const LogEvaluation& evaluation) {
   return "<h3>Wheel parameters</h3>\n" + Table(rows);
 }
 
-std::string HealthTables(const LogRecording& recording) {
-  std::string text = "<h3>Health</h3>\n";
+std::string ChannelsTable(const LogRecording& recording) {
   std::vector<std::vector<Cell>> rows{{{"channel", ""},
                                        {"messages", ""},
                                        {"rate", ""},
@@ -232,31 +231,32 @@ std::string HealthTables(const LogRecording& recording) {
          {has_latency ? fmt::format("{:.2f} ms", latency->second.p99_ms) : "–",
           ""}});
   }
-  text += Table(rows);
-  text += fmt::format(
-      "<p class=\"small\">Rates and gaps by the messages' own clock where "
-      "their type is "
-      "known. {} "
-      "Log: {} events, {} bytes{}.</p>\n",
+  const LogReadReport& file = recording.read_report;
+  const char* latency =
       recording.latency.empty()
           ? "Latency is absent: the log was made offline."
-          : "Latency: log time of the output minus log time of the input that "
-            "caused it.",
-      recording.read_report.num_events,
-      recording.read_report.num_file_bytes,
-      recording.read_report.num_gaps == 0
-          ? std::string()
-          : fmt::format(", {} bytes skipped",
-                        recording.read_report.num_skipped_bytes));
-  if (recording.processes.empty()) return text;
-  rows = {{{"process", ""},
-           {"received", ""},
-           {"published", ""},
-           {"lost", ""},
-           {"dropped", ""},
-           {"bad", ""},
-           {"worst handler", ""},
-           {"faults", ""}}};
+          : "Latency: log time of the output minus that of its input.";
+  return Table(rows) +
+         fmt::format(
+             "<p class=\"small\">Rates and gaps by the messages' own clock "
+             "where their type is known. {} Log: {} events, {} bytes, {} "
+             "skipped.</p>\n",
+             latency,
+             file.num_events,
+             file.num_file_bytes,
+             file.num_skipped_bytes);
+}
+
+std::string ProcessesTable(const LogRecording& recording) {
+  if (recording.processes.empty()) return "";
+  std::vector<std::vector<Cell>> rows{{{"process", ""},
+                                       {"received", ""},
+                                       {"published", ""},
+                                       {"lost", ""},
+                                       {"dropped", ""},
+                                       {"bad", ""},
+                                       {"worst handler", ""},
+                                       {"faults", ""}}};
   for (const auto& [name, p] : recording.processes) {
     std::string faults;
     for (const std::string& fault : p.faults) faults += fault + ". ";
@@ -274,7 +274,7 @@ std::string HealthTables(const LogRecording& recording) {
           ""},
          {faults.empty() ? "none" : faults, faults.empty() ? "" : "bad"}});
   }
-  return text + Table(rows);
+  return Table(rows);
 }
 
 std::string HowMade(const LogEvaluation& evaluation) {
@@ -327,7 +327,8 @@ std::string Section(const LogEvaluation& evaluation, std::size_t index) {
     for (const Plot& plot : ParameterPlots(evaluation)) text += FigureOf(plot);
     text += "</div>\n";
   }
-  return text + HealthTables(recording) + HowMade(evaluation) + "</section>\n";
+  return text + "<h3>Health</h3>\n" + ChannelsTable(recording) +
+         ProcessesTable(recording) + HowMade(evaluation) + "</section>\n";
 }
 
 constexpr const char* kDefinitions = R"(<section>
