@@ -61,7 +61,9 @@ std::vector<Scenario> Scenarios() {
 
   Scenario motions{"relative motion", base, {}};
   motions.options.fix_every = 0;
-  motions.options.motion_every = 20;
+  // No divisor of the 12 s after which the drive changes: where a velocity
+  // jumps just at a measurement, its time has two derivatives.
+  motions.options.motion_every = 17;
   motions.options.sigma_m = 0.002;
   motions.options.sigma_rad = 0.002;
   motions.options.X_RS = {0.08, -0.03, 0.7};
@@ -82,15 +84,16 @@ double BandEdge(double n, double z) {
 }
 
 void RunScenario(const Scenario& scenario,
+                 std::uint64_t first_seed,
                  int num_seeds,
                  std::vector<BenchRow>* rows) {
   Eigen::Matrix<double, 7, 1> squares = Eigen::Matrix<double, 7, 1>::Zero();
   Eigen::Matrix<double, 7, 1> bounds = squares;
   Eigen::Matrix<double, 7, 1> normalised = squares;
   double nees = 0.0;
-  for (int seed = 1; seed <= num_seeds; ++seed) {
+  for (int run = 0; run < num_seeds; ++run) {
     BatchSimulationOptions drive = scenario.options;
-    drive.drive.seed = static_cast<std::uint64_t>(seed);
+    drive.drive.seed = first_seed + static_cast<std::uint64_t>(run);
     const BatchSimulation simulation = SimulateBatch(drive, MixedDriver(0.3));
     BatchOptions options;
     options.initial = {1e-4, 1e-4, 0.25};
@@ -165,8 +168,12 @@ void RunScenario(const Scenario& scenario,
 
 std::vector<BenchRow> BenchSimulation(bool full) {
   std::vector<BenchRow> rows;
+  // Each scenario has drives of its own, so that one unlucky set of seeds does
+  // not show three times.
+  std::uint64_t first_seed = 0;
   for (const Scenario& scenario : Scenarios()) {
-    RunScenario(scenario, full ? 1000 : 200, &rows);
+    first_seed += 1001;
+    RunScenario(scenario, first_seed, full ? 1000 : 200, &rows);
   }
   return rows;
 }

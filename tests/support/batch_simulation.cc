@@ -141,13 +141,18 @@ Eigen::Matrix<double, 7, 7> CramerRaoBound(
     d.leftCols<3>() = compose.d_AB;
     d.block<3, 3>(0, 3) = compose.d_BC;
     if (i + 1 < truth.size()) {
+      // By the ticks: the noise of a step is no velocity that anybody could
+      // tell a clock by.
       const Eigen::Vector3d velocity =
-          (Eigen::Vector3d()
-               << truth[i + 1].X_WR.position() - truth[i].X_WR.position(),
-           WrapAngle(truth[i + 1].X_WR.heading - truth[i].X_WR.heading))
-              .finished() /
+          IntegrateTicks({truth[i + 1].right_ticks - truth[i].right_ticks,
+                          truth[i + 1].left_ticks - truth[i].left_ticks},
+                         options.drive.parameters,
+                         options.drive.noise,
+                         options.drive.integration)
+              .X_R0R1.vector() /
           period;
-      d.col(6) = -compose.d_AB * velocity;
+      d.col(6) = -compose.d_AB *
+                 JacobiansOfCompose(truth[i].X_WR, Pose2{}).d_BC * velocity;
     }
     return d;
   };
