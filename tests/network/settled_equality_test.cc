@@ -1,9 +1,12 @@
 // POSE_SETTLED is the same bytes live and offline: the same inputs give the
 // same answer, however the network and the scheduler mix them.
 #include "processes/support/channels.h"
+#include "processes/support/decode.h"
 #include "processes/support/log_file.h"
 #include "tests/network/network_test.h"
 #include "tests/support/child_process.h"
+
+#include <waymark/pose_t.hpp>
 
 #include <gtest/gtest.h>
 
@@ -127,6 +130,25 @@ class SettledEqualityTest : public NetworkTest,
     ASSERT_EQ(logger.Wait().exit_code, 0);
   }
 
+  // lcm-logger drops what arrives while 30 messages wait for it: a gap in what
+  // the filter numbered from 0, or in the inputs, that says nothing of the
+  // filter.
+  bool RecorderLostNothing(const std::string& recorded) const {
+    for (const auto channel :
+         {kEncoders, kPositionFix, kInitialPose, kRelativeMotion}) {
+      if (Difference(PayloadsOf(recorded, channel),
+                     PayloadsOf(sample_, channel)) != "equal") {
+        return false;
+      }
+    }
+    std::int32_t next = 0;
+    for (const auto& payload : PayloadsOf(recorded, kPoseSettled)) {
+      const auto pose = DecodeMessage<pose_t>(payload);
+      if (!pose || pose->seq != next++) return false;
+    }
+    return true;
+  }
+
   void ReplayOffline(const std::string& in, const std::string& out) {
     const ChildResult replayed = RunChild(
         {BuildPath("bin/pose_filter"), "--log-in", in, "--log-out", out});
@@ -138,7 +160,13 @@ class SettledEqualityTest : public NetworkTest,
 };
 
 TEST_P(SettledEqualityTest, LiveEqualsOffline) {
-  ASSERT_NO_FATAL_FAILURE(PlayLive(Path("live.lcm")));
+  // On a loaded machine the recorder may fall behind; a recording with gaps is
+  // made anew, three times in all.
+  for (int i = 0; i < 3; ++i) {
+    std::filesystem::remove(Path("live.lcm"));
+    ASSERT_NO_FATAL_FAILURE(PlayLive(Path("live.lcm")));
+    if (RecorderLostNothing(Path("live.lcm"))) break;
+  }
   ASSERT_NO_FATAL_FAILURE(ReplayOffline(sample_, Path("from_sample.lcm")));
   ASSERT_NO_FATAL_FAILURE(
       ReplayOffline(Path("live.lcm"), Path("from_live.lcm")));
