@@ -78,7 +78,7 @@ std::vector<LogEvent> Recording(int seconds) {
 
 std::string WriteLog(const std::string& name,
                      const std::vector<LogEvent>& events) {
-  const std::string path = testing::TempDir() + name;
+  std::string path = testing::TempDir() + name;
   LogWriter writer(path, IfExists::kReplace);
   for (const LogEvent& event : events) {
     writer.Write(event.time, event.channel, event.data);
