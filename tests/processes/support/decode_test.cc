@@ -91,6 +91,15 @@ TEST(DecodeMessage, ImpossibleLengthsAreRefusedWithoutTakingMemory) {
   }
 }
 
+TEST(DecodeMessage, TextWithoutItsTerminatingZeroIsRefused) {
+  Bytes data = Encode(SmallImage());
+  // Length of the key (with its zero), then its bytes.
+  const std::size_t last = kKeyLengthAt + 4 + 3;
+  ASSERT_EQ(data.at(last), 0);
+  data.at(last) = 'x';
+  EXPECT_FALSE(DecodeMessage<image_t>(data).has_value());
+}
+
 TEST(DecodeMessage, FieldsNotSetAreZero) {
   const auto decoded = DecodeMessage<status_t>(Encode(status_t()));
   ASSERT_TRUE(decoded.has_value());
