@@ -74,7 +74,7 @@ report() {
 }
 
 jobs=$(nproc)
-declare -A running
+declare -A running=()
 finish_one() {
   local pid status=0
   wait -n -p pid "${!running[@]}" || status=$?
