@@ -158,8 +158,10 @@ FixCost::FixCost(const KeyframeTie& tie, const AbsoluteFix& fix)
   }
   WAYMARK_CHECK(!present.empty());
   const Eigen::MatrixXd whiten = WhitenerOf(fix.covariance(present, present));
-  whiten_.setZero(static_cast<Eigen::Index>(present.size()), 3);
-  whiten_(Eigen::all, present) = whiten;
+  for (std::size_t i = 0; i < present.size(); ++i) {
+    whiten_.col(present[i]).head(whiten.rows()) =
+        whiten.col(static_cast<Eigen::Index>(i));
+  }
   set_num_residuals(static_cast<int>(present.size()));
   *mutable_parameter_block_sizes() = {3, 4};
 }

@@ -149,18 +149,21 @@ Endpoint Group(std::string_view text, const Url& url) {
 
 void CheckUdpOptions(std::string_view text, const Url& url) {
   for (const auto& [key, value] : url.options) {
+    std::int64_t min = 0;
     std::int64_t max = 0;
     if (key == "ttl") {
       max = 255;
     } else if (key == "recv_buf_size") {
+      min = 1;
       max = std::numeric_limits<std::int32_t>::max();
     } else if (key != "transmit_only") {
       Refuse(text,
              fmt::format("unknown option {}; known: ttl, recv_buf_size", key));
     }
     const auto number = ParseNumber(value);
-    if (max > 0 && (!number || *number < 0 || *number > max)) {
-      Refuse(text, fmt::format("{} must be a number in [0, {}]", key, max));
+    if (max > 0 && (!number || *number < min || *number > max)) {
+      Refuse(text,
+             fmt::format("{} must be a number in [{}, {}]", key, min, max));
     }
   }
 }

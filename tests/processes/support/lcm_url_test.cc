@@ -67,7 +67,10 @@ TEST(LcmUrl, BadOnesAreOneLine) {
             "LCM URL udpm://?ttl: ttl must be a number in [0, 255]");
   EXPECT_EQ(ErrorOf("udpm://?recv_buf_size=2M"),
             "LCM URL udpm://?recv_buf_size=2M: recv_buf_size must be a number "
-            "in [0, 2147483647]");
+            "in [1, 2147483647]");
+  EXPECT_EQ(ErrorOf("udpm://?recv_buf_size=0"),
+            "LCM URL udpm://?recv_buf_size=0: recv_buf_size must be a number "
+            "in [1, 2147483647]");
   EXPECT_EQ(ErrorOf("udpm://?recv_buffer=1"),
             "LCM URL udpm://?recv_buffer=1: unknown option recv_buffer; "
             "known: ttl, recv_buf_size");
