@@ -14,6 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sched.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 #include <sys/wait.h>
@@ -25,6 +26,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -94,8 +96,39 @@ void PublishTheRest(LcmBus* bus, int tick) {
   }
 }
 
-// The sending process: streams until `seconds` have passed.
-void Send(int bytes_per_pixel, int seconds) {
+// Whether the receiver may read while an image is being sent.
+enum class Reader { kFree, kStarved };
+
+// Binds this thread, and those it starts, to its first processor for as long as
+// it lives.
+class OneProcessor {
+ public:
+  OneProcessor() {
+    ::sched_getaffinity(0, sizeof(before_), &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    int first = 0;
+    while (!CPU_ISSET(first, &before_)) ++first;
+    CPU_SET(first, &one);
+    ::sched_setaffinity(0, sizeof(one), &one);
+  }
+  ~OneProcessor() { ::sched_setaffinity(0, sizeof(before_), &before_); }
+  OneProcessor(const OneProcessor&) = delete;
+  OneProcessor& operator=(const OneProcessor&) = delete;
+
+ private:
+  cpu_set_t before_;
+};
+
+// The sending process: streams until `seconds` have passed. On the receiver's
+// only processor and above its priority, a starving sender puts a whole image
+// into the receive buffer before anything is read.
+void Send(int bytes_per_pixel, int seconds, Reader reader) {
+  if (reader == Reader::kStarved) {
+    sched_param above{};
+    above.sched_priority = 50;  // LcmBus reads at 1.
+    if (::sched_setscheduler(0, SCHED_FIFO, &above) != 0) ::_exit(1);
+  }
   LcmBus bus("sender", LcmUrl("udpm://"));
   bus.Advertise<image_t>(kImage);
   bus.Advertise<encoders_t>(kEncoders);
@@ -146,7 +179,11 @@ struct StreamResult {
   }
 };
 
-StreamResult Stream(int bytes_per_pixel, int seconds) {
+StreamResult Stream(int bytes_per_pixel,
+                    int seconds,
+                    Reader reader = Reader::kFree) {
+  std::optional<OneProcessor> shared;
+  if (reader == Reader::kStarved) shared.emplace();
   std::ostringstream log;
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(
       "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
@@ -173,7 +210,7 @@ StreamResult Stream(int bytes_per_pixel, int seconds) {
   });
   const pid_t sender = ::fork();
   if (sender == 0) {
-    Send(bytes_per_pixel, seconds);
+    Send(bytes_per_pixel, seconds, reader);
     ::_exit(0);
   }
   bus.Start();
@@ -250,8 +287,10 @@ TEST_F(ImageStreamTest, ColourWithFourMebibytesLosesNothing) {
 
 TEST_F(ImageStreamTest, TooSmallBufferIsCountedAndSaysWhatToSet) {
   if (!SetReceiveBufferLimit(kStockLimit)) return;
-  StreamResult result = Stream(3, 4);
-  Print("colour 640x480 at 30 Hz", kStockLimit, &result);
+  StreamResult result = Stream(3, 4, Reader::kStarved);
+  Print("colour 640x480 at 30 Hz, no reading while it is sent",
+        kStockLimit,
+        &result);
   EXPECT_LT(result.num_received, result.num_sent);
   EXPECT_GT(result.status.num_datagrams_dropped, 0);
   EXPECT_THAT(result.log,
