@@ -148,7 +148,15 @@ Endpoint Group(std::string_view text, const Url& url) {
 }
 
 void CheckUdpOptions(std::string_view text, const Url& url) {
-  for (const auto& [key, value] : url.options) {
+  for (const auto& option : url.options) {
+    const auto& [key, value] = option;
+    // Which of two would count is left to no one's guess.
+    if (value.find('?') != std::string::npos) {
+      Refuse(text, fmt::format("{} holds a second '?'", key));
+    }
+    if (Find(url, key) != &value) {
+      Refuse(text, fmt::format("{} stands there twice", key));
+    }
     std::int64_t min = 0;
     std::int64_t max = 0;
     if (key == "ttl") {

@@ -71,6 +71,11 @@ TEST(LcmUrl, BadOnesAreOneLine) {
   EXPECT_EQ(ErrorOf("udpm://?recv_buf_size=0"),
             "LCM URL udpm://?recv_buf_size=0: recv_buf_size must be a number "
             "in [1, 2147483647]");
+  EXPECT_EQ(ErrorOf("udpm://?ttl=0&ttl=1"),
+            "LCM URL udpm://?ttl=0&ttl=1: ttl stands there twice");
+  EXPECT_EQ(ErrorOf("udpm://?transmit_only=a?ttl=0"),
+            "LCM URL udpm://?transmit_only=a?ttl=0: transmit_only holds a "
+            "second '?'");
   EXPECT_EQ(ErrorOf("udpm://?recv_buffer=1"),
             "LCM URL udpm://?recv_buffer=1: unknown option recv_buffer; "
             "known: ttl, recv_buf_size");
