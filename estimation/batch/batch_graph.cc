@@ -204,17 +204,20 @@ class Builder {
     return state_->sensors[static_cast<std::size_t>(sensor)].data();
   }
 
-  // The last keyframe at or before `time`: keyframes open with the first
-  // measurement that they hold.
+  // The nearest keyframe. Not the last one before `time`: where the time offset
+  // moved by a hair since the keyframes were set, that would be the one a whole
+  // step earlier, tied by ticks whose noise is then left out.
   static std::size_t KeyframeAt(const std::vector<BatchState::Keyframe>& all,
                                 double time) {
     const auto above = std::upper_bound(
         all.begin(), all.end(), time, [](double t, const auto& keyframe) {
           return t < keyframe.time;
         });
-    return above == all.begin()
-               ? 0
-               : static_cast<std::size_t>(above - all.begin()) - 1;
+    if (above == all.begin()) return 0;
+    const auto below = above - 1;
+    const bool is_above =
+        above != all.end() && above->time - time < time - below->time;
+    return static_cast<std::size_t>((is_above ? above : below) - all.begin());
   }
 
   std::pair<double*, KeyframeTie> Tie(

@@ -6,6 +6,18 @@
 #include <cmath>
 
 namespace waymark {
+namespace {
+
+// Speeds before the first and after the last reading are means over this time:
+// a few readings of any robot here, so that two readings with jitter in their
+// stamps do not make up a speed.
+constexpr double kEdgeS = 0.2;
+
+WheelTicks Rate(const WheelTicks& from, const WheelTicks& to, double seconds) {
+  return {(to.right - from.right) / seconds, (to.left - from.left) / seconds};
+}
+
+}  // namespace
 
 TickTrack::TickTrack(std::span<const EncoderReading> readings) {
   if (readings.empty()) return;
@@ -24,6 +36,13 @@ TickTrack::TickTrack(std::span<const EncoderReading> readings) {
       ticks_.push_back(ticks);
     }
   }
+  if (empty()) return;
+  std::size_t second = 1;
+  while (second + 1 < time_.size() && time_[second] < kEdgeS) ++second;
+  rate_before_ = Rate(ticks_[0], ticks_[second], time_[second]);
+  std::size_t former = time_.size() - 2;
+  while (former > 0 && duration() - time_[former] < kEdgeS) --former;
+  rate_after_ = Rate(ticks_[former], ticks_.back(), duration() - time_[former]);
 }
 
 double TickTrack::Travel(const WheelParameters& parameters) const {
@@ -38,21 +57,24 @@ double TickTrack::Travel(const WheelParameters& parameters) const {
   return travel;
 }
 
-std::size_t TickTrack::IntervalAt(double t) const {
+int TickTrack::IntervalAt(double t) const {
   WAYMARK_CHECK(!empty());
   const auto above = std::upper_bound(time_.begin(), time_.end(), t);
-  const auto index = std::distance(time_.begin(), above) - 1;
-  return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
-      index, 0, static_cast<std::ptrdiff_t>(time_.size()) - 2));
+  return static_cast<int>(std::distance(time_.begin(), above)) - 1;
 }
 
-WheelTicks TickTrack::TicksAt(double t, std::size_t interval) const {
-  const double span = time_[interval + 1] - time_[interval];
-  const double share = std::clamp((t - time_[interval]) / span, 0.0, 1.0);
-  const WheelTicks& a = ticks_[interval];
-  const WheelTicks& b = ticks_[interval + 1];
-  return {a.right + share * (b.right - a.right),
-          a.left + share * (b.left - a.left)};
+WheelTicks TickTrack::RateIn(int interval) const {
+  if (interval < 0) return rate_before_;
+  const auto i = static_cast<std::size_t>(interval);
+  if (i + 1 >= time_.size()) return rate_after_;
+  return Rate(ticks_[i], ticks_[i + 1], time_[i + 1] - time_[i]);
+}
+
+WheelTicks TickTrack::TicksAt(double t, int interval) const {
+  const auto i = static_cast<std::size_t>(std::max(interval, 0));
+  const WheelTicks rate = RateIn(interval);
+  return {ticks_[i].right + (t - time_[i]) * rate.right,
+          ticks_[i].left + (t - time_[i]) * rate.left};
 }
 
 TrackMotion TickTrack::Integrate(double t0,
@@ -74,12 +96,13 @@ TrackMotion TickTrack::Integrate(double t0,
   const bool has_noise =
       noise.wheel_variance > 0.0 || noise.base_variance > 0.0;
   TrackMotion motion;
-  std::size_t interval = IntervalAt(t0);
-  const std::size_t last = IntervalAt(t1);
+  int interval = IntervalAt(t0);
+  const int last = IntervalAt(t1);
   WheelTicks ticks = TicksAt(t0, interval);
   for (; interval <= last; ++interval) {
-    const WheelTicks end =
-        interval == last ? TicksAt(t1, last) : ticks_[interval + 1];
+    const WheelTicks end = interval == last
+                               ? TicksAt(t1, last)
+                               : ticks_[static_cast<std::size_t>(interval + 1)];
     const WheelTicks step_ticks{end.right - ticks.right, end.left - ticks.left};
     ticks = end;
     if (step_ticks.right == 0.0 && step_ticks.left == 0.0) continue;
@@ -101,13 +124,10 @@ TrackMotion TickTrack::Integrate(double t0,
 
 TrackVelocity TickTrack::VelocityAt(double t,
                                     const WheelParameters& parameters) const {
-  if (empty() || t < time_.front() || t >= time_.back()) return {};
-  const std::size_t i = IntervalAt(t);
-  const double span = time_[i + 1] - time_[i];
-  const double right =
-      parameters.k_right * (ticks_[i + 1].right - ticks_[i].right) / span;
-  const double left =
-      parameters.k_left * (ticks_[i + 1].left - ticks_[i].left) / span;
+  if (empty()) return {};
+  const WheelTicks rate = RateIn(IntervalAt(t));
+  const double right = parameters.k_right * rate.right;
+  const double left = parameters.k_left * rate.left;
   return {0.5 * (right + left), (right - left) / parameters.wheel_base};
 }
 

@@ -22,8 +22,11 @@ struct TrackVelocity {
   double turn_rate = 0.0;  // rad/s.
 };
 
-// Ticks are linear in time between readings, constant before the first and
-// after the last. Times are seconds since the first reading.
+// Ticks are linear in time between readings, and go on before the first and
+// after the last at the mean speeds of the 0.2 s beside them: a time offset may
+// move a measurement over the edge, and a robot taken to stand there would tell
+// that offset by a change of speed that nobody measured. Times are seconds
+// since the first reading.
 class TickTrack {
  public:
   // Readings in time order; of equal times the last counts; those that go
@@ -53,19 +56,23 @@ class TickTrack {
                                       const DriveNoise& noise,
                                       DriveIntegration integration) const;
 
-  // Velocity just after time t; zero outside the readings.
+  // Velocity just after time t.
   [[nodiscard]] TrackVelocity VelocityAt(
       double t, const WheelParameters& parameters) const;
 
  private:
-  // Index of the interval [time_[i], time_[i + 1]) that holds t, clamped.
-  [[nodiscard]] std::size_t IntervalAt(double t) const;
-  [[nodiscard]] WheelTicks TicksAt(double t, std::size_t interval) const;
+  // Index of the interval [time_[i], time_[i + 1]) that holds t; -1 is before
+  // the first reading, that of the last reading is open.
+  [[nodiscard]] int IntervalAt(double t) const;
+  [[nodiscard]] WheelTicks RateIn(int interval) const;
+  [[nodiscard]] WheelTicks TicksAt(double t, int interval) const;
 
   Time start_;
   int num_refused_ = 0;
   std::vector<double> time_;
   std::vector<WheelTicks> ticks_;  // Since the first reading.
+  WheelTicks rate_before_;         // Ticks per second outside the readings.
+  WheelTicks rate_after_;
 };
 
 }  // namespace waymark

@@ -1,6 +1,7 @@
 #include "tests/support/recorded_problems.h"
 
 #include "estimation/base/check.h"
+#include "estimation/base/random.h"
 #include "estimation/batch/batch_refiner.h"
 #include "estimation/batch/tick_track.h"
 #include "estimation/geometry/angle.h"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -74,9 +76,12 @@ double ScoreRun(const Recording& run,
 struct MotionResiduals {
   std::vector<double> position_m;
   std::vector<double> yaw_rad;
+  // First and one past the last residual of each part, in the order added.
+  std::vector<std::pair<std::size_t, std::size_t>> blocks;
   void Add(const Recording& part,
            const WheelParameters& wheels,
            const Pose2& X_RS) {
+    blocks.emplace_back(yaw_rad.size(), yaw_rad.size() + part.motions.size());
     const TickTrack track(part.encoders);
     for (const RelativeMotion& motion : part.motions) {
       const Pose2 X_R0R1 = track
@@ -97,6 +102,40 @@ struct MotionResiduals {
     return {MedianOf(position_m), MedianOf(yaw_rad)};
   }
 };
+
+// The order in which CrossValidateCensi adds blocks: subset `k` predicts the
+// other two. Two blocks each hold the same tuples.
+constexpr std::array<std::array<std::size_t, 2>, 3> kBlocksOfPart{
+    {{2, 4}, {0, 5}, {1, 3}}};
+
+MedianGap GapOf(
+    const std::vector<double>& ours,
+    const std::vector<double>& theirs,
+    const std::vector<std::pair<std::size_t, std::size_t>>& blocks) {
+  constexpr int kNumResamples = 400;  // Puts 10 beyond either end.
+  Random random(1);
+  std::vector<double> gaps;
+  for (int i = 0; i < kNumResamples; ++i) {
+    std::vector<double> a;
+    std::vector<double> b;
+    for (const auto& [one, two] : kBlocksOfPart) {
+      const std::size_t size = blocks.at(one).second - blocks.at(one).first;
+      WAYMARK_CHECK(size == blocks.at(two).second - blocks.at(two).first);
+      for (std::size_t n = 0; n < size; ++n) {
+        const std::size_t drawn = random.Index(size);
+        for (const std::size_t block : {one, two}) {
+          a.push_back(ours[blocks[block].first + drawn]);
+          b.push_back(theirs[blocks[block].first + drawn]);
+        }
+      }
+    }
+    gaps.push_back(MedianOf(std::move(a)) / MedianOf(std::move(b)) - 1.0);
+  }
+  std::sort(gaps.begin(), gaps.end());
+  return {MedianOf(ours) / MedianOf(theirs) - 1.0,
+          gaps[kNumResamples / 40],
+          gaps[kNumResamples - 1 - kNumResamples / 40]};
+}
 
 BatchResult FitCensi(const std::vector<const Recording*>& parts) {
   std::vector<BatchLog> logs;
@@ -204,6 +243,10 @@ CensiReport CrossValidateCensi(const std::string& folder) {
     mounting.num_held_out = static_cast<int>(ours[m].yaw_rad.size());
     mounting.ours = ours[m].medians();
     mounting.authors = authors[m].medians();
+    mounting.position_gap =
+        GapOf(ours[m].position_m, authors[m].position_m, ours[m].blocks);
+    mounting.yaw_gap =
+        GapOf(ours[m].yaw_rad, authors[m].yaw_rad, ours[m].blocks);
     report.mountings.push_back(mounting);
     axles[m] = FitCensi({&parts[m][0], &parts[m][1], &parts[m][2]})
                    .parameters.wheel_base;

@@ -40,14 +40,25 @@ struct MotionMedians {
   double yaw_rad = 0.0;
 };
 
+// How much larger one median is than another, as a share of the latter, with
+// its central 95 % by bootstrap over the tuples (each tuple's residuals under
+// both fits stay together). Zero inside: no difference that could be told.
+struct MedianGap {
+  double share = 0.0;
+  double low = 0.0;
+  double high = 0.0;
+};
+
 struct CensiMountingReport {
   std::string name;  // "lstraight", "l90".
   int num_held_out = 0;
   // Medians of the residuals of the laser's motion over all tuples, each
   // predicted by a fit that has not seen it: fitted on one of the three
   // subsets, evaluated on the other two, as the authors' stored results are.
-  MotionMedians ours;     // Fitted jointly over both mountings.
-  MotionMedians authors;  // Their result of the same subset.
+  MotionMedians ours;      // Fitted jointly over both mountings.
+  MotionMedians authors;   // Their result of the same subset.
+  MedianGap position_gap;  // Ours beside theirs.
+  MedianGap yaw_gap;
 };
 
 struct CensiReport {

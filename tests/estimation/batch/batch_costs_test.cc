@@ -1,6 +1,7 @@
 #include "estimation/batch/batch_costs.h"
 
 #include "estimation/base/random.h"
+#include "estimation/geometry/angle.h"
 #include "tests/support/batch_simulation.h"
 
 #include <gtest/gtest.h>
@@ -223,10 +224,35 @@ TEST(TickTrack, VelocityAndTicksComeFromTheInterval) {
   EXPECT_DOUBLE_EQ(track.VelocityAt(0.2, wheels).forward, 1.5);
   EXPECT_DOUBLE_EQ(track.VelocityAt(0.2, wheels).turn_rate, 2.0);
   EXPECT_DOUBLE_EQ(track.VelocityAt(0.6, wheels).turn_rate, -8.0);
-  EXPECT_DOUBLE_EQ(track.VelocityAt(-0.1, wheels).forward, 0.0);
-  EXPECT_DOUBLE_EQ(track.VelocityAt(1.1, wheels).forward, 0.0);
+  // Beyond the readings as beside them.
+  EXPECT_DOUBLE_EQ(track.VelocityAt(-0.1, wheels).forward, 1.5);
+  EXPECT_DOUBLE_EQ(track.VelocityAt(1.1, wheels).turn_rate, -8.0);
+  const auto turn = [&](double t0, double t1) {
+    return track.Integrate(t0, t1, wheels, {}, DriveIntegration::kArc)
+        .X_R0R1.heading;
+  };
+  EXPECT_DOUBLE_EQ(turn(-0.25, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(turn(1.0, 1.25), -2.0);
+  EXPECT_DOUBLE_EQ(turn(1.25, 1.0), 2.0);
+  EXPECT_DOUBLE_EQ(turn(-0.25, 1.25), 0.5 + 1.0 - 4.0 - 2.0 + 2.0 * kPi);
   EXPECT_DOUBLE_EQ(track.duration(), 1.0);
   EXPECT_DOUBLE_EQ(track.Travel(wheels), 0.5 * (1.0 + 2.5));
+}
+
+TEST(TickTrack, JitterOfTheLastStampsMakesUpNoSpeed) {
+  std::vector<EncoderReading> readings;
+  for (int i = 0; i <= 20; ++i) {  // 20 Hz, 10 ticks each.
+    readings.push_back({.time = TimeFromMicroseconds(50'000 * i),
+                        .seq = i,
+                        .right = 10 * i,
+                        .left = 10 * i});
+  }
+  // The last reading's stamp lies just behind that of the one before.
+  readings.back().time = readings[19].time + Duration(10);
+  const TickTrack track(readings);
+  const double speed =
+      track.VelocityAt(2.0, WheelParameters{1e-3, 1e-3, 0.3}).forward;
+  EXPECT_NEAR(speed, 0.2, 0.06);
 }
 
 }  // namespace

@@ -34,9 +34,11 @@ TEST(RecordedBatch, CensiMountingsPredictHeldOutMotion) {
   const CensiReport report = CrossValidateCensi(folder);
   ASSERT_EQ(report.mountings.size(), 2u);
   for (const CensiMountingReport& mounting : report.mountings) {
-    // Medians of some 8000 residuals scatter by 1 %.
-    EXPECT_LT(mounting.ours.position_m, 1.01 * mounting.authors.position_m);
-    EXPECT_LT(mounting.ours.yaw_rad, 1.01 * mounting.authors.yaw_rad);
+    // No worse than the authors', but for what resampling cannot tell.
+    EXPECT_LT(mounting.position_gap.low, 0.0);
+    EXPECT_LT(mounting.yaw_gap.low, 0.0);
+    EXPECT_LT(mounting.position_gap.share, 0.01);
+    EXPECT_LT(mounting.yaw_gap.share, 0.01);
   }
   EXPECT_NEAR(report.joint.parameters.wheel_base, 0.0885, 0.001);
   EXPECT_LT(report.axle_spread, 0.02);
