@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace waymark {
 namespace {
@@ -102,11 +103,16 @@ double MedianOf(std::vector<double> values) {
   return *middle;
 }
 
+std::string TextOf(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
 class Refinement {
  public:
   Refinement(std::span<const BatchLog> logs, const BatchOptions& options)
       : options_(options), input_(PrepareBatch(logs, options)) {
-    result_.parameters = options.initial;
     result_.num_refused = input_.num_refused;
     result_.num_measurements = input_.num_measurements;
     result_.travel_m = input_.travel_m;
@@ -119,9 +125,8 @@ class Refinement {
                "no usable measurement inside the encoder readings");
     } else if (input_.travel_m < options_.min_travel_m) {
       NoAnswer(BatchStatus::kTooLittleMotion,
-               "the wheels travelled " + std::to_string(input_.travel_m) +
-                   " m, less than " + std::to_string(options_.min_travel_m) +
-                   " m");
+               "the wheels travelled " + TextOf(input_.travel_m) +
+                   " m, less than " + TextOf(options_.min_travel_m) + " m");
     } else {
       state_ = FirstState(input_, options_);
       if (SolveRounds()) Conclude();
@@ -134,6 +139,11 @@ class Refinement {
     result_.status = status;
     result_.reason = std::move(reason);
     result_.parameters = options_.initial;
+    result_.covariance = options_.initial.vector()
+                             .cwiseProduct(options_.relative_sigma)
+                             .cwiseAbs2()
+                             .asDiagonal();
+    result_.observability.setZero();
   }
 
   bool SolveRounds() {
@@ -172,7 +182,7 @@ class Refinement {
       const double scale = state_.wheels[i];
       if (scale > kMaxScale || scale < 1.0 / kMaxScale) {
         NoAnswer(BatchStatus::kImplausible,
-                 std::string(kNames[i]) + " went to " + std::to_string(scale) +
+                 std::string(kNames[i]) + " went to " + TextOf(scale) +
                      " times its initial value: wheels swapped or reversed?");
         return false;
       }
@@ -357,9 +367,8 @@ void Refinement::Judge() {
     result_.status = BatchStatus::kPartly;
     result_.reason = "not observable: " + unknown;
   } else {
-    result_.status = BatchStatus::kNotObservable;
-    result_.reason = "no wheel parameter is observable in these measurements";
-    result_.parameters = options_.initial;
+    NoAnswer(BatchStatus::kNotObservable,
+             "no wheel parameter is observable in these measurements");
   }
 }
 

@@ -130,9 +130,10 @@ struct BatchResult {
   BatchStatus status = BatchStatus::kNoData;
   std::string reason;  // One line; empty where kSolved.
 
-  WheelParameters parameters;  // The initial ones where there is no answer.
+  // Where there is no answer: the initial ones, with their prior covariance.
+  WheelParameters parameters;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  // 1 - posterior / prior variance, in [0, 1].
+  // 1 - posterior / prior variance, in [0, 1]. 0 where there is no answer.
   Eigen::Vector3d observability = Eigen::Vector3d::Zero();
   std::vector<BatchSensor> sensors;  // By source, then by log.
 

@@ -57,7 +57,7 @@ struct DelayedFusionCounts {
 // One reading once nothing can change it any more.
 struct Settled {
   PoseEstimate pose;
-  std::optional<OdometryParameters> parameters;
+  OdometryParameters parameters;
   OdometryFilterCounts counts;
 };
 

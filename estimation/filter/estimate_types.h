@@ -50,6 +50,11 @@ struct SensorCalibration {
 struct OdometryParameters {
   Time time;           // Of the newest input used.
   std::string source;  // "nominal", "online" or "batch".
+  // False: there is no answer, because of reason; what follows is then the
+  // prior, or 0 where there is none either.
+  bool is_known = true;
+  // Where is_known: which parameters the measurements do not show, if any.
+  std::string reason;
   WheelParameters parameters;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   // 1 - posterior / prior variance per parameter, in [0, 1]: 0 where the

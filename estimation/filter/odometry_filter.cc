@@ -9,6 +9,8 @@ namespace {
 
 constexpr const char* kNominal = "nominal";
 constexpr const char* kBatch = "batch";
+constexpr const char* kNoParameters =
+    "no wheel parameters: none configured, none received";
 // From here on disagreement is blamed on the first fix: with fewer, one or two
 // faulty ones among the others would do as well.
 constexpr int kManyFixes = 8;
@@ -288,7 +290,7 @@ PoseEstimate OdometryFilter::estimate() const {
   } else if (!refused_.empty()) {
     result.reason = refused_;
   } else if (!drive_) {
-    result.reason = "no wheel parameters: none configured, none received";
+    result.reason = kNoParameters;
   } else if (!ekf_) {
     result.reason = unknown_;
   } else if (!ekf_->fault().empty()) {
@@ -316,7 +318,7 @@ PoseEstimate OdometryFilter::odometry() const {
   } else if (!refused_.empty()) {
     result.reason = refused_;
   } else if (!nominal_) {
-    result.reason = "no wheel parameters: none configured, none received";
+    result.reason = kNoParameters;
   } else {
     result.is_known = true;
     result.X_WR = X_OR_;
@@ -331,9 +333,10 @@ PoseEstimate OdometryFilter::odometry() const {
   return result;
 }
 
-std::optional<OdometryParameters> OdometryFilter::parameters() const {
-  if (!drive_) return std::nullopt;
-  OdometryParameters result = *drive_;
+OdometryParameters OdometryFilter::parameters() const {
+  OdometryParameters result = drive_.value_or(OdometryParameters{});
+  result.is_known = drive_ && (!ekf_ || ekf_->fault().empty());
+  result.reason = !drive_ ? kNoParameters : ekf_ ? ekf_->fault() : "";
   result.time = time_;
   result.source = "online";
   result.sensor.reset();

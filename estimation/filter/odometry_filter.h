@@ -86,8 +86,8 @@ class OdometryFilter {
   [[nodiscard]] PoseEstimate estimate() const;
   // Dead reckoning X_OR with the nominal parameters since the first reading.
   [[nodiscard]] PoseEstimate odometry() const;
-  // What the filter now drives with; nullopt: none known yet.
-  [[nodiscard]] std::optional<OdometryParameters> parameters() const;
+  // What the filter now drives with. Not known: none given yet, or fault.
+  [[nodiscard]] OdometryParameters parameters() const;
   [[nodiscard]] const OdometryFilterCounts& counts() const { return counts_; }
   // Empty: healthy. Refused readings, stopped filter.
   [[nodiscard]] std::string fault() const;

@@ -123,7 +123,11 @@ class Evaluator {
     if (recording_.readings.empty()) {
       estimate.missing = "no ENCODERS in the log";
     } else if (found == recording_.parameters.end()) {
-      estimate.missing = "no ODOMETRY_PARAMETERS of source '" + source + "'";
+      const auto why = recording_.parameters_missing.find(source);
+      estimate.missing =
+          "no ODOMETRY_PARAMETERS of source '" + source + "'" +
+          (why == recording_.parameters_missing.end() ? ""
+                                                      : ": " + why->second);
     } else {
       Finish("ENCODERS integrated offline with the final " + source +
                  " parameters",

@@ -242,6 +242,11 @@ class Collector {
     std::string reason;
     const auto values = OdometryParametersFromMessage(m, &reason);
     if (!values) return false;
+    if (!values->is_known) {
+      recording_.parameters_missing[values->source] = values->reason;
+      return true;
+    }
+    recording_.parameters_missing.erase(values->source);
     // A wheel of a robot indoors; what counts faster has jumped.
     constexpr double kMaxWheelSpeed = 5.0;  // m/s, as pose_filter's default.
     counter_.set_max_tick_rate(

@@ -64,6 +64,8 @@ struct LogRecording {
   std::map<std::string, std::int64_t> num_unknown_poses;
   // Keys: "nominal", "online", "batch".
   std::map<std::string, std::vector<ParameterSample>> parameters;
+  // Why a source had no answer, where it said so last.
+  std::map<std::string, std::string> parameters_missing;
   std::optional<SensorCalibration> sensor;  // Newest of source "batch".
 
   std::map<std::string, ChannelHealth> channels;

@@ -1,6 +1,7 @@
 #include "processes/batch_refiner/batch_refiner_process.h"
 
 #include "processes/convert/odometry_convert.h"
+#include "processes/convert/odometry_inputs.h"
 #include "processes/support/channels.h"
 
 #include <algorithm>
@@ -13,10 +14,13 @@ OdometryParameters ParametersFromResult(const BatchResult& result) {
   OdometryParameters values;
   values.time = result.newest;
   values.source = "batch";
+  values.is_known = HasAnswer(result.status);
+  values.reason = result.reason;
   values.parameters = result.parameters;
   values.covariance = result.covariance;
   values.observability = result.observability;
   values.num_measurements = result.num_measurements;
+  if (!values.is_known) return values;
   const BatchSensor* most = nullptr;
   for (const BatchSensor& sensor : result.sensors) {
     const bool is_estimated = std::find(sensor.is_estimated.begin(),
@@ -40,22 +44,15 @@ BatchRefinerProcess::BatchRefinerProcess(const Config& config, Bus* bus)
     SetNominal({config.nominal[0], config.nominal[1], config.nominal[2]});
   }
   bus->Advertise<odometry_parameters_t>(kOdometryParameters, "batch");
-  bus->Subscribe<encoders_t>(
-      kEncoders, Keep::All(), [this](const encoders_t& m, Time) {
-        OnEncoders(m);
-      });
-  bus->Subscribe<position_fix_t>(
-      kPositionFix, Keep::All(), [this](const position_fix_t& m, Time) {
-        OnFix(m);
-      });
-  bus->Subscribe<relative_motion_t>(
-      kRelativeMotion, Keep::All(), [this](const relative_motion_t& m, Time) {
-        OnMotion(m);
-      });
-  bus->Subscribe<odometry_parameters_t>(
-      kOdometryParameters,
-      Keep::All(),
-      [this](const odometry_parameters_t& m, Time) { OnParameters(m); });
+  SubscribeOdometryInputs(
+      bus,
+      {.on_reading = [this](const EncoderReading& raw,
+                            int bits) { OnReading(raw, bits); },
+       .on_fix = [this](const AbsoluteFix& fix) { window_.Add(fix); },
+       .on_motion = [this](const RelativeMotion& m) { window_.Add(m); },
+       .on_initial_pose = {},
+       .on_parameters =
+           [this](const OdometryParameters& p) { OnParameters(p); }});
 }
 
 void BatchRefinerProcess::SetNominal(const WheelParameters& nominal) {
@@ -70,21 +67,16 @@ void BatchRefinerProcess::StartAnew(std::string_view why) {
   solved_.reset();
 }
 
-void BatchRefinerProcess::OnEncoders(const encoders_t& message) {
-  std::string reason;
-  const auto raw = EncoderReadingFromMessage(message, &reason);
-  if (!raw) {
-    bus_->ReportBad(kEncoders, Bad::kContent, reason);
-    return;
-  }
+void BatchRefinerProcess::OnReading(const EncoderReading& raw,
+                                    int counter_bits) {
   const auto newest = window_.newest();
   const Duration window = DurationFromSeconds(config_.window.window_s);
-  if (newest && raw->time < *newest - window) {
+  if (newest && raw.time < *newest - window) {
     StartAnew("time went back by more than the window: started anew");
     counter_ = EncoderCounter();
     if (nominal_) SetNominal(*nominal_);
   }
-  const EncoderStep step = counter_.Add(*raw, message.counter_bits);
+  const EncoderStep step = counter_.Add(raw, counter_bits);
   if (!step.is_accepted) {
     bus_->ReportBad(kEncoders, Bad::kContent, step.reason);
     return;
@@ -92,53 +84,37 @@ void BatchRefinerProcess::OnEncoders(const encoders_t& message) {
   if (step.unknown_s > 0.0) {
     StartAnew("the count was lost: started anew");
   }
-  total_.time = raw->time;
-  total_.seq = raw->seq;
+  total_.time = raw.time;
+  total_.seq = raw.seq;
   total_.right += std::llround(step.ticks.right);
   total_.left += std::llround(step.ticks.left);
   window_.Add(total_);
-  if (!solved_) solved_ = raw->time;
-  if (raw->time - *solved_ >= DurationFromSeconds(config_.period_s)) Solve();
+  if (!solved_) solved_ = raw.time;
+  if (raw.time - *solved_ >= DurationFromSeconds(config_.period_s)) Solve();
 }
 
-void BatchRefinerProcess::OnFix(const position_fix_t& message) {
-  std::string reason;
-  if (const auto fix = AbsoluteFixFromMessage(message, &reason)) {
-    window_.Add(*fix);
-  } else {
-    bus_->ReportBad(kPositionFix, Bad::kContent, reason);
-  }
-}
-
-void BatchRefinerProcess::OnMotion(const relative_motion_t& message) {
-  std::string reason;
-  if (const auto motion = RelativeMotionFromMessage(message, &reason)) {
-    window_.Add(*motion);
-  } else {
-    bus_->ReportBad(kRelativeMotion, Bad::kContent, reason);
-  }
-}
-
-void BatchRefinerProcess::OnParameters(const odometry_parameters_t& message) {
+void BatchRefinerProcess::OnParameters(const OdometryParameters& parameters) {
   // Configured ones win; online and batch estimates are no prior.
-  if (message.source != "nominal" || !config_.nominal.empty()) return;
-  std::string reason;
-  if (const auto values = OdometryParametersFromMessage(message, &reason)) {
-    SetNominal(values->parameters);
-  } else {
-    bus_->ReportBad(kOdometryParameters, Bad::kContent, reason);
-  }
+  if (parameters.source != "nominal" || !config_.nominal.empty()) return;
+  SetNominal(parameters.parameters);
 }
 
 void BatchRefinerProcess::Solve() {
   solved_ = window_.newest();
-  if (!nominal_) return;
-  const BatchLog& log = window_.Log();
-  const BatchResult result =
-      RefineBatch({&log, 1}, config_.solver.Options(*nominal_));
-  if (!HasAnswer(result.status)) return;
-  bus_->Publish(kOdometryParameters,
-                ToMessage(ParametersFromResult(result), seq_++));
+  OdometryParameters values;
+  if (nominal_) {
+    const BatchLog& log = window_.Log();
+    values = ParametersFromResult(
+        RefineBatch({&log, 1}, config_.solver.Options(*nominal_)));
+  } else {
+    values.source = "batch";
+    values.is_known = false;
+    values.reason =
+        "no nominal wheel parameters: none configured, none received";
+  }
+  // An answer is as old as what it rests on; 'none' rests on all there is.
+  if (!values.is_known) values.time = *solved_;
+  bus_->Publish(kOdometryParameters, ToMessage(values, seq_++));
 }
 
 void BatchRefinerProcess::Finish() {

@@ -8,11 +8,6 @@
 #include "processes/batch_refiner/batch_refiner_config.h"
 #include "processes/support/bus.h"
 
-#include <waymark/encoders_t.hpp>
-#include <waymark/odometry_parameters_t.hpp>
-#include <waymark/position_fix_t.hpp>
-#include <waymark/relative_motion_t.hpp>
-
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -20,7 +15,7 @@
 namespace waymark {
 
 // A result as it is published: with the mounting that most measurements speak
-// of, where one was estimated.
+// of, where one was estimated and there is an answer.
 [[nodiscard]] OdometryParameters ParametersFromResult(
     const BatchResult& result);
 
@@ -28,8 +23,8 @@ namespace waymark {
 // ODOMETRY_PARAMETERS (batch). Solves whenever the encoders' time has moved on
 // by period_s, in the handler: a slow job (some 0.1 s), which its mailboxes
 // outlast. What it publishes depends on the messages and their order only, not
-// on how long it takes. Where there is no answer nothing is published: what
-// was published last stays the best that is known.
+// on how long it takes. Where there is no answer it says so, and why: what was
+// published last as known stays the best that is known.
 class BatchRefinerProcess {
  public:
   using Config = BatchRefinerConfig;
@@ -40,10 +35,8 @@ class BatchRefinerProcess {
   void Finish();
 
  private:
-  void OnEncoders(const encoders_t& message);
-  void OnFix(const position_fix_t& message);
-  void OnMotion(const relative_motion_t& message);
-  void OnParameters(const odometry_parameters_t& message);
+  void OnReading(const EncoderReading& raw, int counter_bits);
+  void OnParameters(const OdometryParameters& parameters);
   void SetNominal(const WheelParameters& nominal);
   void StartAnew(std::string_view why);
   void Solve();

@@ -228,6 +228,13 @@ std::optional<InitialPose> InitialPoseFromMessage(const initial_pose_t& message,
 
 std::optional<OdometryParameters> OdometryParametersFromMessage(
     const odometry_parameters_t& message, std::string* reason) {
+  if (!CheckTime("utime", message.utime, reason)) return std::nullopt;
+  OdometryParameters result;
+  result.time = TimeFromMicroseconds(message.utime);
+  result.source = message.source;
+  result.is_known = message.is_known != 0;
+  result.reason = message.reason;
+  if (!result.is_known) return result;
   const double values[3] = {
       message.k_right, message.k_left, message.wheel_base};
   constexpr const char* kKeys[3] = {"k_right", "k_left", "wheel_base"};
@@ -245,14 +252,10 @@ std::optional<OdometryParameters> OdometryParametersFromMessage(
     }
   }
   const Eigen::Matrix3d P = MatrixFrom<3>(message.covariance);
-  if (!CheckTime("utime", message.utime, reason) ||
-      !CheckPose("observability", message.observability, reason) ||
+  if (!CheckPose("observability", message.observability, reason) ||
       !CheckCovariance("covariance", P, {0, 1, 2}, Definite::kSemi, reason)) {
     return std::nullopt;
   }
-  OdometryParameters result;
-  result.time = TimeFromMicroseconds(message.utime);
-  result.source = message.source;
   result.parameters = {message.k_right, message.k_left, message.wheel_base};
   result.covariance = 0.5 * (P + P.transpose());
   result.observability = Eigen::Vector3d(message.observability);
@@ -337,6 +340,8 @@ odometry_parameters_t ToMessage(const OdometryParameters& values,
   message.utime = Microseconds(values.time);
   message.seq = Narrow(seq);
   message.source = values.source;
+  message.is_known = values.is_known ? 1 : 0;
+  message.reason = values.reason;
   message.k_right = values.parameters.k_right;
   message.k_left = values.parameters.k_left;
   message.wheel_base = values.parameters.wheel_base;

@@ -43,7 +43,8 @@ namespace waymark {
     const initial_pose_t& message, std::string* reason);
 
 // k_right and k_left are at least 1e-12 m per tick, wheel_base at least 1 mm;
-// the covariance may be singular (zero: no statement).
+// the covariance may be singular (zero: no statement). Where the message is not
+// is_known, its numbers are neither checked nor taken.
 [[nodiscard]] std::optional<OdometryParameters> OdometryParametersFromMessage(
     const odometry_parameters_t& message, std::string* reason);
 

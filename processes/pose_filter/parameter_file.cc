@@ -57,6 +57,7 @@ std::optional<OdometryParameters> LoadParameterFile(const std::string& path) {
   odometry_parameters_t message{};
   message.utime = contents.utime;
   message.source = "online";
+  message.is_known = 1;
   message.k_right = contents.k_right;
   message.k_left = contents.k_left;
   message.wheel_base = contents.wheel_base;

@@ -1,6 +1,7 @@
 #include "processes/pose_filter/pose_filter_process.h"
 
 #include "processes/convert/odometry_convert.h"
+#include "processes/convert/odometry_inputs.h"
 #include "processes/pose_filter/parameter_file.h"
 #include "processes/support/channels.h"
 #include "processes/support/input_error.h"
@@ -31,76 +32,42 @@ PoseFilterProcess::PoseFilterProcess(const Config& config, Bus* bus)
   }
   bus->Advertise<bot_pose_t>(kPoseBot);
   bus->Advertise<odometry_parameters_t>(kOdometryParameters, "online");
-  bus->Subscribe<encoders_t>(
-      kEncoders, Keep::All(), [this](const encoders_t& m, Time) {
-        OnEncoders(m);
-      });
-  bus->Subscribe<position_fix_t>(
-      kPositionFix, Keep::All(), [this](const position_fix_t& m, Time) {
-        OnFix(m);
-      });
-  bus->Subscribe<initial_pose_t>(
-      kInitialPose, Keep::All(), [this](const initial_pose_t& m, Time) {
-        OnInitialPose(m);
-      });
-  bus->Subscribe<odometry_parameters_t>(
-      kOdometryParameters,
-      Keep::All(),
-      [this](const odometry_parameters_t& m, Time) { OnParameters(m); });
+  SubscribeOdometryInputs(
+      bus,
+      {.on_reading = [this](const EncoderReading& raw,
+                            int bits) { OnReading(raw, bits); },
+       .on_fix = [this](const AbsoluteFix& fix) { OnFix(fix); },
+       .on_motion = {},
+       .on_initial_pose =
+           [this](const InitialPose& pose) {
+             Report(kInitialPose, fusion_.AddInitialPose(pose), pose.time);
+           },
+       .on_parameters =
+           [this](const OdometryParameters& p) { OnParameters(p); }});
 }
 
-void PoseFilterProcess::OnEncoders(const encoders_t& message) {
-  std::string reason;
-  const auto reading = EncoderReadingFromMessage(message, &reason);
-  if (!reading) {
-    bus_->ReportBad(kEncoders, Bad::kContent, reason);
-    return;
-  }
-  const Arrival arrival = fusion_.AddReading(*reading, message.counter_bits);
-  Report(kEncoders, arrival, reading->time);
-  if (fusion_.newest_time() == reading->time) PublishNewest();
+void PoseFilterProcess::OnReading(const EncoderReading& raw, int counter_bits) {
+  Report(kEncoders, fusion_.AddReading(raw, counter_bits), raw.time);
+  if (fusion_.newest_time() == raw.time) PublishNewest();
   PublishSettled();
 }
 
-void PoseFilterProcess::OnFix(const position_fix_t& message) {
-  std::string reason;
-  const auto fix = AbsoluteFixFromMessage(message, &reason);
-  if (!fix) {
-    bus_->ReportBad(kPositionFix, Bad::kContent, reason);
-    return;
-  }
-  Report(kPositionFix, fusion_.AddFix(*fix), fix->time);
+void PoseFilterProcess::OnFix(const AbsoluteFix& fix) {
+  Report(kPositionFix, fusion_.AddFix(fix), fix.time);
   const auto newest = fusion_.newest_time();
   const Duration window = DurationFromSeconds(config_.window_s);
   if (!newest) {
-    PublishUnknown(fix->time, "no encoder readings yet");
-  } else if (fix->time - *newest > window) {
-    PublishUnknown(fix->time, "no encoder readings for longer than the window");
+    PublishUnknown(fix.time, "no encoder readings yet");
+  } else if (fix.time - *newest > window) {
+    PublishUnknown(fix.time, "no encoder readings for longer than the window");
   }
 }
 
-void PoseFilterProcess::OnInitialPose(const initial_pose_t& message) {
-  std::string reason;
-  const auto pose = InitialPoseFromMessage(message, &reason);
-  if (!pose) {
-    bus_->ReportBad(kInitialPose, Bad::kContent, reason);
-    return;
-  }
-  Report(kInitialPose, fusion_.AddInitialPose(*pose), pose->time);
-}
-
-void PoseFilterProcess::OnParameters(const odometry_parameters_t& message) {
+void PoseFilterProcess::OnParameters(const OdometryParameters& parameters) {
   // What this process published itself comes back to it.
-  if (message.source == "online") return;
-  std::string reason;
-  const auto parameters = OdometryParametersFromMessage(message, &reason);
-  if (!parameters) {
-    bus_->ReportBad(kOdometryParameters, Bad::kContent, reason);
-    return;
-  }
-  Report(kOdometryParameters,
-         fusion_.AddParameters(*parameters),
-         parameters->time);
+  if (parameters.source == "online") return;
+  Report(
+      kOdometryParameters, fusion_.AddParameters(parameters), parameters.time);
 }
 
 void PoseFilterProcess::Report(std::string_view channel,
@@ -164,17 +131,22 @@ void PoseFilterProcess::PublishSettled() {
 }
 
 void PoseFilterProcess::PublishParameters(const Settled& settled) {
-  if (!settled.parameters || config_.use == ParameterUse::kBatch) return;
-  learned_ = settled.parameters;
+  if (config_.use == ParameterUse::kBatch) return;
+  const OdometryParameters& parameters = settled.parameters;
   const Time now = settled.pose.time;
   const auto due = [now](const std::optional<Time>& last, double period_s) {
     return !last || now < *last || now - *last >= DurationFromSeconds(period_s);
   };
-  if (due(parameters_time_, config_.parameters_period_s)) {
+  // A change between 'none' and an answer does not wait.
+  if (parameters.is_known != has_parameters_ ||
+      due(parameters_time_, config_.parameters_period_s)) {
     parameters_time_ = now;
+    has_parameters_ = parameters.is_known;
     bus_->Publish(kOdometryParameters,
-                  ToMessage(*settled.parameters, parameters_seq_++));
+                  ToMessage(parameters, parameters_seq_++));
   }
+  if (!parameters.is_known) return;
+  learned_ = parameters;
   if (!save_time_) save_time_ = now;
   if (due(save_time_, kSavePeriod_s)) {
     save_time_ = now;

@@ -5,11 +5,6 @@
 #include "processes/pose_filter/pose_filter_config.h"
 #include "processes/support/bus.h"
 
-#include <waymark/encoders_t.hpp>
-#include <waymark/initial_pose_t.hpp>
-#include <waymark/odometry_parameters_t.hpp>
-#include <waymark/position_fix_t.hpp>
-
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,10 +27,9 @@ class PoseFilterProcess {
   void Finish();
 
  private:
-  void OnEncoders(const encoders_t& message);
-  void OnFix(const position_fix_t& message);
-  void OnInitialPose(const initial_pose_t& message);
-  void OnParameters(const odometry_parameters_t& message);
+  void OnReading(const EncoderReading& raw, int counter_bits);
+  void OnFix(const AbsoluteFix& fix);
+  void OnParameters(const OdometryParameters& parameters);
   void Report(std::string_view channel, Arrival arrival, Time time);
   void PublishNewest();
   void PublishUnknown(Time time, std::string reason);
@@ -52,6 +46,7 @@ class PoseFilterProcess {
   std::int64_t parameters_seq_ = 0;
   std::int64_t num_refused_ = 0;
   std::optional<Time> parameters_time_;  // Published last.
+  bool has_parameters_ = false;          // What was published last.
   std::optional<Time> save_time_;
   std::optional<OdometryParameters> learned_;  // Settled.
   std::string save_fault_;

@@ -66,6 +66,7 @@ void AddParameters(std::string* stream) {
   odometry_parameters_t parameters;
   parameters.utime = 1'000'000'000;
   parameters.source = "nominal";
+  parameters.is_known = 1;
   parameters.k_right = parameters.k_left = 1e-4;
   parameters.wheel_base = 0.3;
   parameters.covariance[0] = parameters.covariance[4] = 1e-12;

@@ -83,7 +83,7 @@ class Collector {
                             ? OdometryParametersFromMessage(*message, &reason_)
                             : std::nullopt;
     Count(values.has_value());
-    if (!values) return;
+    if (!values || !values->is_known) return;
     result_->nominal = values->parameters;
     counter_.set_max_tick_rate(
         max_wheel_speed_ /

@@ -241,6 +241,11 @@ TEST(BatchRefiner, OneFixTeachesNothing) {
   simulation.log.fixes.resize(1);
   const BatchResult result = Solve(simulation.log, Options());
   EXPECT_EQ(result.status, BatchStatus::kNotObservable);
+  for (int i = 0; i < 3; ++i) {
+    const double sigma =
+        Options().relative_sigma(i) * Options().initial.vector()(i);
+    EXPECT_DOUBLE_EQ(result.covariance(i, i), sigma * sigma);
+  }
   EXPECT_EQ(result.parameters, kNominal);
   EXPECT_LT(result.observability.maxCoeff(), 1e-3);
 }

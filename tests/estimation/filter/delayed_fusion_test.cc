@@ -120,14 +120,14 @@ std::vector<std::string> SettledTexts(DelayedFusion* fusion) {
   std::vector<std::string> texts;
   for (const Settled& settled : fusion->TakeSettled()) {
     std::string text = Text(settled.pose);
-    if (settled.parameters) {
+    if (settled.parameters.is_known) {
       char number[128];
       std::snprintf(number,
                     sizeof number,
                     " %a %a %a",
-                    settled.parameters->parameters.k_right,
-                    settled.parameters->parameters.wheel_base,
-                    settled.parameters->covariance(1, 1));
+                    settled.parameters.parameters.k_right,
+                    settled.parameters.parameters.wheel_base,
+                    settled.parameters.covariance(1, 1));
       text += number;
     }
     texts.push_back(text);
@@ -153,14 +153,14 @@ std::vector<std::string> InOrder(std::vector<Message> messages) {
     if (const auto* reading = std::get_if<EncoderReading>(&message)) {
       filter.AddReading(*reading, 0);
       std::string text = Text(filter.estimate());
-      if (const auto p = filter.parameters()) {
+      if (const auto p = filter.parameters(); p.is_known) {
         char number[128];
         std::snprintf(number,
                       sizeof number,
                       " %a %a %a",
-                      p->parameters.k_right,
-                      p->parameters.wheel_base,
-                      p->covariance(1, 1));
+                      p.parameters.k_right,
+                      p.parameters.wheel_base,
+                      p.covariance(1, 1));
         text += number;
       }
       texts.push_back(text);

@@ -77,7 +77,7 @@ TEST(OdometryFilter, SaysWhyThereIsNoPose) {
   EXPECT_FALSE(none.estimate().is_known);
   EXPECT_THAT(none.estimate().reason, HasSubstr("no wheel parameters"));
   EXPECT_THAT(none.odometry().reason, HasSubstr("no wheel parameters"));
-  EXPECT_FALSE(none.parameters());
+  EXPECT_FALSE(none.parameters().is_known);
 
   OdometryFilter no_start(Options());
   no_start.AddReading({TimeFromMicroseconds(1), 0, 0, 0}, 0);
@@ -98,7 +98,7 @@ TEST(OdometryFilter, FollowsFromAKnownStart) {
   EXPECT_GT(filter.counts().num_accepted, 110);
   EXPECT_EQ(filter.counts().num_rejected, 0);
   EXPECT_NEAR(filter.estimate().forward_speed, 0.4, 0.02);
-  EXPECT_GT(filter.parameters()->observability.minCoeff(), 0.3);
+  EXPECT_GT(filter.parameters().observability.minCoeff(), 0.3);
 }
 
 TEST(OdometryFilter, ParametersAndStartFromMessages) {
@@ -195,7 +195,7 @@ TEST(OdometryFilter, WrongWheelsDoNotHideTheStart) {
     });
     ASSERT_TRUE(filter.estimate().is_known) << filter.estimate().reason;
     EXPECT_LT(Distance(filter.estimate(), scene.truth.back()), 0.15);
-    EXPECT_NEAR(filter.parameters()->parameters.wheel_base, 0.27, 0.01);
+    EXPECT_NEAR(filter.parameters().parameters.wheel_base, 0.27, 0.01);
   }
 }
 
@@ -414,7 +414,7 @@ TEST(OdometryFilter, BatchParametersAreAdoptedOnlyWhereAsked) {
     filter.AddReading(scene.readings[0], 0);
     filter.Add(scene.readings[1].time, batch);
     filter.AddReading(scene.readings[1], 0);
-    EXPECT_EQ(filter.parameters()->parameters.wheel_base > 0.29, adopt);
+    EXPECT_EQ(filter.parameters().parameters.wheel_base > 0.29, adopt);
     // Dead reckoning stays nominal.
     filter.AddReading(scene.readings[2], 0);
     EXPECT_LT((filter.odometry().X_WR.position() -

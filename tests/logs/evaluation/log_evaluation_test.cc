@@ -145,6 +145,17 @@ TEST_F(LogEvaluationTest, ABareRecordingHasItsDeadReckoning) {
   EXPECT_THAT(SummaryTableOf({&e, 1}), HasSubstr("run"));
 }
 
+// Where batch_refiner had no answer, what its message holds is not used.
+TEST_F(LogEvaluationTest, NoneIsNoBatchEstimate) {
+  SyntheticLogOptions options;
+  options.no_batch = "stands still";
+  const LogEvaluation e = Evaluate(options);
+  EXPECT_EQ(e.recording.parameters.count("batch"), 0u);
+  EXPECT_EQ(e.Find("dead_reckoning_batch")->missing,
+            "no ODOMETRY_PARAMETERS of source 'batch': stands still");
+  EXPECT_EQ(e.recording.channels.at("ODOMETRY_PARAMETERS").num_bad, 0);
+}
+
 TEST_F(LogEvaluationTest, CountsLostAndUnusableMessages) {
   const std::vector<std::string> paths{Path("damaged.lcm")};
   WriteSyntheticLog(Path("whole.lcm"), {});

@@ -175,6 +175,8 @@ class Generator {
     m.utime = utime;
     m.seq = seq;
     m.source = source;
+    m.reason = source == "batch" ? options_.no_batch : "";
+    m.is_known = m.reason.empty() ? 1 : 0;
     m.k_right = values.k_right;
     m.k_left = values.k_left;
     m.wheel_base = values.wheel_base;

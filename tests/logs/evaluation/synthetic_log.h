@@ -19,6 +19,8 @@ struct SyntheticLogOptions {
   bool has_truth = true;
   bool has_truth_heading = true;
   bool has_estimates = true;
+  // Why batch_refiner had no answer; empty: it had one.
+  std::string no_batch{};
   std::string fix_source = "reference, every 10th";
   std::uint64_t seed = 1;
 };

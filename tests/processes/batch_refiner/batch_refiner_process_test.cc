@@ -5,6 +5,7 @@
 #include "processes/support/local_bus.h"
 #include "tests/support/batch_simulation.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -100,7 +101,77 @@ TEST(BatchRefinerProcess, WithoutNominalParametersThereIsNoAnswer) {
   config.nominal.clear();
   World world(config);
   world.Play(Simulate());
-  EXPECT_TRUE(world.Published().empty());
+  ASSERT_EQ(world.Published().size(), 6u);
+  for (const odometry_parameters_t& none : world.Published()) {
+    EXPECT_FALSE(none.is_known);
+    EXPECT_THAT(none.reason, testing::HasSubstr("no nominal wheel parameters"));
+    EXPECT_EQ(none.wheel_base, 0.0);
+  }
+}
+
+// Stands for 35 s, then drives.
+TEST(BatchRefinerProcess, TooLittleMotionIsNoneThenThereIsAnAnswer) {
+  const BatchSimulation simulation = Simulate();
+  const EncoderReading first = simulation.log.encoders.front();
+  World world(Config());
+  BatchSimulation late = simulation;
+  const Duration wait = DurationFromSeconds(35.0);
+  for (EncoderReading& reading : late.log.encoders) reading.time += wait;
+  for (AbsoluteFix& fix : late.log.fixes) fix.time += wait;
+  for (int i = 0; i < 700; ++i) {
+    EncoderReading standing = first;
+    standing.time += DurationFromSeconds(0.05 * i);
+    world.local.Publish(kEncoders, ToMessage(standing, 0, false));
+    if (i % 20 != 10) continue;
+    AbsoluteFix fix = simulation.log.fixes.front();
+    fix.time = standing.time;
+    world.local.Publish(kPositionFix, ToMessage(fix));
+  }
+  world.Play(late);
+  const auto published = world.Published();
+  ASSERT_EQ(published.size(), 10u);
+  const double share = Config().solver.sigma_share[2];
+  for (std::size_t i = 0; i < published.size(); ++i) {
+    const odometry_parameters_t& m = published[i];
+    EXPECT_EQ(m.source, "batch");
+    EXPECT_EQ(m.seq, static_cast<int>(i));
+    EXPECT_EQ(m.is_known, i < 3 ? 0 : m.is_known);
+    if (m.is_known) continue;
+    EXPECT_EQ(m.utime,
+              Microseconds(first.time) +
+                  10'000'000 * static_cast<std::int64_t>(i + 1));
+    EXPECT_NE(m.reason, "");
+    EXPECT_EQ(m.wheel_base, Config().nominal[2]);
+    EXPECT_DOUBLE_EQ(m.covariance[8], std::pow(share * Config().nominal[2], 2));
+    EXPECT_EQ(m.observability[2], 0.0);
+    std::string reason;
+    const auto values = OdometryParametersFromMessage(m, &reason);
+    ASSERT_TRUE(values) << reason;
+    EXPECT_FALSE(values->is_known);
+  }
+  EXPECT_EQ(published[0].reason, "the wheels travelled 0 m, less than 0.2 m");
+  EXPECT_TRUE(published.back().is_known);
+  EXPECT_EQ(published.back().reason, "");
+  EXPECT_NEAR(published.back().wheel_base, kTrue.wheel_base, 0.005);
+}
+
+// Straight on (wheels of one size, or it would curve): the base stays what was
+// assumed, and the message says so.
+TEST(BatchRefinerProcess, PartlyObservableIsKnownAndNamesTheRest) {
+  BatchSimulationOptions options;
+  options.drive.parameters = {1e-4, 1e-4, 0.27};
+  options.drive.rate_hz = 20.0;
+  options.drive.duration_s = 60.0;
+  options.fix_every = 5;
+  World world(Config());
+  world.Play(SimulateBatch(options, [](double, const Pose2&) {
+    return DriveCommand{0.3, 0.0};
+  }));
+  ASSERT_FALSE(world.Published().empty());
+  const odometry_parameters_t last = world.Published().back();
+  EXPECT_TRUE(last.is_known);
+  EXPECT_EQ(last.reason, "not observable: wheel_base");
+  EXPECT_LT(last.observability[2], 0.9);
 }
 
 TEST(BatchRefinerProcess, SameInputGivesTheSameBytes) {

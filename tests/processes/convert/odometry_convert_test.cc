@@ -181,6 +181,8 @@ TEST(OdometryConvert, ParametersSurviveTheRoundTrip) {
   const OdometryParameters p = Parameters();
   const auto back = OdometryParametersFromMessage(ToMessage(p, 4), &reason);
   ASSERT_TRUE(back) << reason;
+  EXPECT_TRUE(back->is_known);
+  EXPECT_EQ(back->reason, p.reason);
   EXPECT_EQ(back->parameters, p.parameters);
   EXPECT_EQ(back->covariance, p.covariance);
   EXPECT_EQ(back->observability, p.observability);
@@ -196,6 +198,16 @@ TEST(OdometryConvert, ParametersSurviveTheRoundTrip) {
   message.wheel_base = 4e-315;
   EXPECT_FALSE(OdometryParametersFromMessage(message, &reason));
   EXPECT_THAT(reason, HasSubstr("must be >= 0.001"));
+  // 'None, because ...' has no numbers to check.
+  message.is_known = 0;
+  message.reason = "stands still";
+  const auto none = OdometryParametersFromMessage(message, &reason);
+  ASSERT_TRUE(none) << reason;
+  EXPECT_FALSE(none->is_known);
+  EXPECT_EQ(none->reason, "stands still");
+  EXPECT_EQ(none->source, p.source);
+  message.utime = 0;
+  EXPECT_FALSE(OdometryParametersFromMessage(message, &reason));
 }
 
 TEST(OdometryConvert, UnknownPoseCarriesItsReasonAndNoNumbers) {

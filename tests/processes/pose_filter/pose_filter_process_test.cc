@@ -213,6 +213,7 @@ TEST(PoseFilterProcess, BadMessagesAreCountedAndTheRestIsFused) {
   odometry_parameters_t parameters{};
   parameters.utime = encoders.utime;
   parameters.source = "nominal";
+  parameters.is_known = 1;
   world.bus.Publish(kOdometryParameters, parameters);
   // Time going backwards, by an hour, once.
   encoders = ToMessage(scene.readings[60], 0, false);
@@ -299,6 +300,59 @@ TEST(PoseFilterProcess, BatchParametersTakeEffectOneWindowLater) {
     EXPECT_EQ(world.Messages<odometry_parameters_t>(kOdometryParameters).size(),
               1u);
   }
+}
+
+// What batch_refiner says while it has no answer yet.
+TEST(PoseFilterProcess, BatchThatHasNoAnswerIsNotAdopted) {
+  const OdometryScene scene = Scene();
+  PoseFilterConfig config = Config();
+  config.use = ParameterUse::kBatch;
+  OdometryParameters none;
+  none.time = scene.readings[100].time;
+  none.source = "batch";
+  none.is_known = false;
+  none.reason = "the wheels travelled 0 m, less than 0.2 m";
+  none.parameters = {2e-4, 2e-4, 0.27};
+  none.covariance = Eigen::Vector3d(1e-14, 1e-14, 1e-8).asDiagonal();
+  World plain(config);
+  plain.Publish(scene);
+  plain.Run();
+  World world(config);
+  world.Publish(scene);
+  world.bus.Publish(kOdometryParameters, ToMessage(none, 0));
+  world.Run();
+  EXPECT_EQ(Bytes<pose_t>(world, kPoseSettled),
+            Bytes<pose_t>(plain, kPoseSettled));
+  EXPECT_EQ(StatusOf(world.bus).num_bad, 0);
+}
+
+TEST(PoseFilterProcess, SaysWhyThereAreNoParametersUntilThereAre) {
+  const OdometryScene scene = Scene();
+  World world(PoseFilterConfig{});
+  world.Publish(scene);
+  OdometryParameters nominal;
+  nominal.time = scene.readings[50].time;
+  nominal.source = "nominal";
+  nominal.parameters = {1e-4, 1e-4, 0.27};
+  world.bus.Publish(kOdometryParameters, ToMessage(nominal, 0));
+  world.Run();
+  std::vector<odometry_parameters_t> online;
+  for (const auto& m :
+       world.Messages<odometry_parameters_t>(kOdometryParameters)) {
+    if (m.source == "online") online.push_back(m);
+  }
+  // At 0, 1 and 2 s, and at once when they are there: at 2.5 s.
+  ASSERT_GT(online.size(), 4u);
+  for (std::size_t i = 0; i < online.size(); ++i) {
+    EXPECT_EQ(online[i].seq, static_cast<int>(i));
+    EXPECT_EQ(online[i].is_known, i < 3 ? 0 : 1);
+    EXPECT_EQ(
+        online[i].reason,
+        i < 3 ? "no wheel parameters: none configured, none received" : "");
+  }
+  EXPECT_EQ(online[0].wheel_base, 0.0);
+  EXPECT_EQ(online[3].utime, Microseconds(nominal.time));
+  EXPECT_EQ(online[3].wheel_base, 0.27);
 }
 
 class ParameterFileTest : public testing::Test {
