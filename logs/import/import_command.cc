@@ -24,6 +24,7 @@ struct ImportOptions {
   std::string format;
   std::string use = "running";
   std::vector<double> mounting;  // x m, y m, yaw degrees.
+  double reference_delay_s = 0.0;
   bool force = false;
   ReferenceSplitOptions split;
 };
@@ -70,6 +71,9 @@ std::vector<Recording> ReadAll(const ImportOptions& options) {
   for (const std::string& input : inputs) {
     for (const ImportTask& task : FindImportTasks(input, format)) {
       recordings.push_back(ReadImportTask(task, mounting));
+      if (options.reference_delay_s != 0.0) {
+        SetReferenceBack(options.reference_delay_s, &recordings.back());
+      }
       if (options.split.use_heading) {
         for (const TruthSample& sample : recordings.back().reference.samples) {
           if (sample.heading) continue;
@@ -192,6 +196,13 @@ void AddImportCommand(CLI::App* app, int* /*exit_code*/) {
                    "Pose of the sensor on the robot where the recording does "
                    "not tell (Censi): x m, y m, yaw in degrees")
       ->expected(3);
+  command
+      ->add_option("--reference-delay",
+                   options->reference_delay_s,
+                   "How much later than it was the reference's stamps say that "
+                   "a sample was taken, s; they are set back by this")
+      ->check(CLI::Range(-10.0, 10.0))
+      ->capture_default_str();
   command->add_flag("-f,--force", options->force, "Replace outputs that exist");
   command->callback([options] {
     options->split.use = options->use == "calibration"

@@ -1,6 +1,7 @@
 #include "logs/import/recording.h"
 
 #include <cmath>
+#include <cstdio>
 
 namespace waymark {
 
@@ -24,6 +25,19 @@ InitialPose StatedStart(Time time,
   start.X_WR = X_WR;
   start.covariance = sigma.cwiseAbs2().asDiagonal();
   return start;
+}
+
+void SetReferenceBack(double delay_s, Recording* recording) {
+  if (recording->reference.samples.empty()) return;
+  for (TruthSample& sample : recording->reference.samples) {
+    sample.time -= DurationFromSeconds(delay_s);
+  }
+  char text[80];
+  std::snprintf(text,
+                sizeof(text),
+                "the reference's stamps are set back by %g s, as asked for",
+                delay_s);
+  recording->notes.emplace_back(text);
 }
 
 double PathLength(const Reference& reference) {

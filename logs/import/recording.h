@@ -66,6 +66,10 @@ struct Recording {
                                       const Pose2& X_WR,
                                       const Eigen::Vector3d& sigma);
 
+// Moves the reference's samples `delay_s` back in time, where its clock or its
+// processing is late, and says so in the notes.
+void SetReferenceBack(double delay_s, Recording* recording);
+
 // Length of the polygon through the samples, m.
 [[nodiscard]] double PathLength(const Reference& reference);
 

@@ -69,6 +69,39 @@ TEST(ImportFormatsTest, AreToldByContent) {
   EXPECT_FALSE(ImportFormatFromName("mp3"));
 }
 
+// Times of the events on a channel, microseconds.
+std::vector<std::int64_t> TimesOf(const std::string& path,
+                                  const std::string& channel) {
+  LogReader reader(path);
+  std::vector<std::int64_t> times;
+  while (const auto event = reader.Next()) {
+    if (event->channel == channel) times.push_back(Microseconds(event->time));
+  }
+  return times;
+}
+
+TEST(ImportCommandTest, ADelayedReferenceIsSetBack) {
+  const TemporaryDirectory folder;
+  WriteText(folder / "1_run-01.csv", kRun);
+  const std::string run = folder / "1_run-01.csv";
+  ASSERT_EQ(Import({run, folder / "a.log"}), "no error");
+  ASSERT_EQ(Import({run, folder / "b.log", "--reference-delay", "0.02"}),
+            "no error");
+  for (const char* channel : {"POSITION_FIX", "TRUTH"}) {
+    std::vector<std::int64_t> times = TimesOf(folder / "a.log", channel);
+    ASSERT_FALSE(times.empty());
+    for (std::int64_t& time : times) time -= 20'000;
+    EXPECT_EQ(TimesOf(folder / "b.log", channel), times);
+  }
+  EXPECT_EQ(TimesOf(folder / "a.log", "ENCODERS"),
+            TimesOf(folder / "b.log", "ENCODERS"));
+  const auto bytes = ReadBytes(folder / "b.log");
+  EXPECT_THAT(std::string(bytes.begin(), bytes.end()),
+              HasSubstr("set back by 0.02 s"));
+  EXPECT_THAT(Import({run, folder / "c.log", "--reference-delay", "11"}),
+              HasSubstr("--reference-delay"));
+}
+
 TEST(ImportCommandTest, OneRunBecomesOneLog) {
   const TemporaryDirectory folder;
   const std::string run = folder / "1_run-01.csv";
