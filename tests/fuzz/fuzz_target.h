@@ -1,6 +1,6 @@
 // What a fuzz target defines, and helpers for those that read files.
 //
-// The same source is built twice: by clang with libFuzzer (preset fuzz,
+// The same source is built twice: by clang with libFuzzer (preset asan,
 // run.sh), and by the ordinary compiler with corpus_main.cc, which runs the
 // seeds and thousands of fixed mutations of them in CTest.
 #pragma once

@@ -2,15 +2,33 @@
 // of one recording are separated by the byte 0xFF.
 #include "logs/import/brenner_lego_robot4.h"
 #include "logs/import/censi_joint_calibration.h"
+#include "logs/import/import_formats.h"
 #include "logs/import/lcm_maebot_logs.h"
 #include "logs/import/optiodom_diffdrive.h"
 #include "logs/import/tuc_labyrinth_diffdrive.h"
+#include "logs/import/write_imported_log.h"
 #include "tests/fuzz/fuzz_target.h"
 
 #include <cmath>
 
 namespace waymark::fuzz {
 namespace {
+
+// What was read can be written, and reads back whole.
+void CheckLog(const Recording& recording) {
+  const std::string path = ScratchFolder() + "/imported.log";
+  for (const auto use : {ReferenceUse::kRunning, ReferenceUse::kCalibration}) {
+    ReferenceSplitOptions options;
+    options.use = use;
+    const ImportSummary summary =
+        WriteImportedLog(recording, options, path, IfExists::kReplace);
+    LogReader reader(path);
+    while (reader.Next()) {
+    }
+    Expect(reader.report().is_sound(), "a sound log");
+    Expect(reader.report().num_events == summary.num_events, "all events");
+  }
+}
 
 void CheckRecording(const Recording& recording) {
   Time before{};
@@ -26,6 +44,7 @@ void CheckRecording(const Recording& recording) {
   Expect(recording.reference.sigma.allFinite(), "finite");
   (void)PathLength(recording.reference);
   (void)WheelPathLength(recording);
+  CheckLog(recording);
 }
 
 void Brenner(const std::vector<Bytes>& files) {
@@ -102,6 +121,8 @@ std::string MaebotLog(const std::string& message) {
 void RunOne(Bytes data) {
   if (data.empty()) return;
   const std::vector<Bytes> files = Split(data.subspan(1), 3);
+  const std::string any = WriteScratch("any", files[0]);
+  TakesOrRefuses([&] { (void)DetectImportFormat(any); });
   switch (data[0] % 6) {
     case 0:
       return Brenner(files);
