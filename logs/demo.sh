@@ -209,7 +209,7 @@ done
 say "demo: played in $((SECONDS - begin)) s; evaluating"
 say ""
 "$bin/waymark-log" report "${recorded[@]}" --out "$out/report.html" \
-  --json "$out/report.json"
+  --json "$out/report.json" --force
 say ""
 say "report:  $out/report.html   (details: ./run waymark-log evaluate LOG)"
 say "logs:    $out/*.lcm"

@@ -3,6 +3,7 @@
 #include "estimation/geometry/angle.h"
 #include "logs/import/import_formats.h"
 #include "logs/import/write_imported_log.h"
+#include "processes/support/run_tool.h"
 
 #include <CLI/CLI.hpp>
 
@@ -52,7 +53,12 @@ std::vector<std::string> OutputPaths(const std::string& out,
   return paths;
 }
 
-std::vector<Recording> ReadAll(const ImportOptions& options) {
+struct Inputs {
+  std::vector<Recording> recordings;
+  std::vector<std::string> paths;
+};
+
+Inputs ReadAll(const ImportOptions& options) {
   // The first word may name the format, unless such a file is there.
   std::vector<std::string> inputs(options.paths.begin(),
                                   options.paths.end() - 1);
@@ -67,15 +73,17 @@ std::vector<Recording> ReadAll(const ImportOptions& options) {
                      options.mounting[1],
                      WrapAngle(RadiansFromDegrees(options.mounting[2]))};
   }
-  std::vector<Recording> recordings;
+  Inputs all;
   for (const std::string& input : inputs) {
     for (const ImportTask& task : FindImportTasks(input, format)) {
-      recordings.push_back(ReadImportTask(task, mounting));
+      all.paths.push_back(task.path);
+      all.recordings.push_back(ReadImportTask(task, mounting));
       if (options.reference_delay_s != 0.0) {
-        SetReferenceBack(options.reference_delay_s, &recordings.back());
+        SetReferenceBack(options.reference_delay_s, &all.recordings.back());
       }
       if (options.split.use_heading) {
-        for (const TruthSample& sample : recordings.back().reference.samples) {
+        for (const TruthSample& sample :
+             all.recordings.back().reference.samples) {
           if (sample.heading) continue;
           throw InputError(task.path +
                            ": --heading: the reference has no headings");
@@ -83,7 +91,7 @@ std::vector<Recording> ReadAll(const ImportOptions& options) {
       }
     }
   }
-  return recordings;
+  return all;
 }
 
 std::string SummaryText(const ImportSummary& summary) {
@@ -114,22 +122,19 @@ void Run(const ImportOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw InputError(std::string("import: ") + error.what());
   }
+  const IfExists if_exists =
+      options.force ? IfExists::kReplace : IfExists::kFail;
   // Everything is read before anything is written.
-  const std::vector<Recording> recordings = ReadAll(options);
+  const auto [recordings, inputs] = ReadAll(options);
   const std::vector<std::string> paths =
       OutputPaths(options.paths.back(), recordings);
   for (const std::string& path : paths) {
-    if (!options.force && fs::exists(path)) {
-      throw InputError(path + ": exists already; --force replaces it");
-    }
+    CheckOutput(path, if_exists, inputs);
   }
   std::map<std::string, int> notes;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const ImportSummary summary =
-        WriteImportedLog(recordings[i],
-                         options.split,
-                         paths[i],
-                         options.force ? IfExists::kReplace : IfExists::kFail);
+        WriteImportedLog(recordings[i], options.split, paths[i], if_exists);
     std::printf("%s: %s\n", paths[i].c_str(), SummaryText(summary).c_str());
     // Long imports show how far they are also through a pipe.
     std::fflush(stdout);
@@ -173,35 +178,42 @@ void AddImportCommand(CLI::App* app, int* /*exit_code*/) {
   command->add_option("--every", options->split.every, "The k of --use running")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command
-      ->add_option("--noise-m",
-                   options->split.noise_m,
-                   "Sigma of the noise added to x and y each, m")
-      ->check(CLI::Range(0.0, 10.0))
+  RequireRange(
+      command->add_option("--noise-m",
+                          options->split.noise_m,
+                          "Sigma of the noise added to x and y each, m"),
+      0.0,
+      10.0)
       ->capture_default_str();
-  command
-      ->add_option("--noise-rad",
-                   options->split.noise_rad,
-                   "Sigma of the noise added to the heading, rad")
-      ->check(CLI::Range(0.0, 10.0))
+  RequireRange(
+      command->add_option("--noise-rad",
+                          options->split.noise_rad,
+                          "Sigma of the noise added to the heading, rad"),
+      0.0,
+      10.0)
       ->capture_default_str();
   command->add_option("--seed", options->split.seed, "Of the added noise")
       ->capture_default_str();
   command->add_flag("--heading",
                     options->split.use_heading,
                     "Fixes carry the reference's heading too");
-  command
-      ->add_option("--mounting",
-                   options->mounting,
-                   "Pose of the sensor on the robot where the recording does "
-                   "not tell (Censi): x m, y m, yaw in degrees")
+  RequireRange(
+      command->add_option(
+          "--mounting",
+          options->mounting,
+          "Pose of the sensor on the robot where the recording does not tell "
+          "(Censi): x m, y m, yaw in degrees"),
+      -360.0,
+      360.0)
       ->expected(3);
-  command
-      ->add_option("--reference-delay",
-                   options->reference_delay_s,
-                   "How much later than it was the reference's stamps say that "
-                   "a sample was taken, s; they are set back by this")
-      ->check(CLI::Range(-10.0, 10.0))
+  RequireRange(
+      command->add_option(
+          "--reference-delay",
+          options->reference_delay_s,
+          "How much later than it was the reference's stamps say that a sample "
+          "was taken, s; they are set back by this"),
+      -10.0,
+      10.0)
       ->capture_default_str();
   command->add_flag("-f,--force", options->force, "Replace outputs that exist");
   command->callback([options] {

@@ -177,9 +177,7 @@ ImportSummary WriteImportedLog(const Recording& recording,
                                const std::string& path,
                                IfExists if_exists) {
   const ReferenceSplit split = SplitReference(recording.reference, options);
-  if (if_exists == IfExists::kFail && std::filesystem::exists(path)) {
-    throw InputError(path + ": exists already; --force replaces it");
-  }
+  CheckOutput(path, if_exists, {});
   Schedule schedule;
   // First, so that it comes before a fix of the same time.
   if (recording.start) {

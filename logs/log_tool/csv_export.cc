@@ -1,9 +1,9 @@
 #include "logs/log_tool/csv_export.h"
 
-#include "logs/log_tool/output_file.h"
 #include "processes/support/input_error.h"
 #include "processes/support/log_file.h"
 #include "processes/support/message_fields.h"
+#include "processes/support/output_file.h"
 #include "processes/support/progress.h"
 
 #include <algorithm>
@@ -85,7 +85,7 @@ class CsvExporter {
         });
   }
 
-  void OpenFiles(const std::string& folder) {
+  void OpenFiles(const std::string& folder, IfExists if_exists) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     if (!std::filesystem::is_directory(folder)) {
@@ -99,8 +99,9 @@ class CsvExporter {
       std::string name = FileNamePart(key.first);
       if (num_types[key.first] > 1) name += "." + FileNamePart(key.second);
       name += ".csv";
-      table.file = std::make_unique<OutputFile>(
-          (std::filesystem::path(folder) / name).string());
+      const auto path = (std::filesystem::path(folder) / name).string();
+      CheckOutput(path, if_exists, {&log_, 1});
+      table.file = std::make_unique<OutputFile>(path, if_exists);
       std::string header = "event_utime";
       for (const auto& column : table.columns) header.append(1, ',') += column;
       table.file->Write(header + "\n");
@@ -179,10 +180,11 @@ class CsvExporter {
 
 CsvReport ExportCsv(const std::string& log,
                     const std::string& folder,
-                    TypeTable* types) {
+                    TypeTable* types,
+                    IfExists if_exists) {
   CsvExporter exporter(log, types);
   exporter.FindColumns();
-  exporter.OpenFiles(folder);
+  exporter.OpenFiles(folder, if_exists);
   exporter.WriteRows();
   return exporter.Finish();
 }

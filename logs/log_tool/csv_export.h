@@ -2,6 +2,7 @@
 #pragma once
 
 #include "logs/log_tool/type_table.h"
+#include "processes/support/output_file.h"
 
 #include <cstdint>
 #include <string>
@@ -29,9 +30,10 @@ inline constexpr std::size_t kMaxCsvColumns = 5000;
 // length, text in quotes where it needs them, nothing where a shorter array has
 // no such element. Makes the folder if it is missing.
 //
-// Throws InputError where reading or writing fails or a file exists.
+// Throws InputError where reading or writing fails or a file exists (kFail).
 CsvReport ExportCsv(const std::string& log,
                     const std::string& folder,
-                    TypeTable* types);
+                    TypeTable* types,
+                    IfExists if_exists = IfExists::kFail);
 
 }  // namespace waymark

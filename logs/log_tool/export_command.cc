@@ -18,10 +18,16 @@ struct ExportOptions {
   std::string channel;
   std::string types;
   bool by_event_time = false;
+  bool force = false;
+
+  [[nodiscard]] IfExists if_exists() const {
+    return force ? IfExists::kReplace : IfExists::kFail;
+  }
 };
 
 void RunCsv(const ExportOptions& options, TypeTable* types) {
-  const CsvReport report = ExportCsv(options.log, options.csv, types);
+  const CsvReport report =
+      ExportCsv(options.log, options.csv, types, options.if_exists());
   for (const auto& file : report.files) {
     std::printf("%s: %lld rows\n",
                 file.path.c_str(),
@@ -37,8 +43,12 @@ void RunCsv(const ExportOptions& options, TypeTable* types) {
 }
 
 void RunTum(const ExportOptions& options, TypeTable* types) {
-  const TumReport report = ExportTum(
-      options.log, options.channel, options.tum, options.by_event_time, types);
+  const TumReport report = ExportTum(options.log,
+                                     options.channel,
+                                     options.tum,
+                                     options.by_event_time,
+                                     types,
+                                     options.if_exists());
   std::printf("%s: %lld poses",
               options.tum.c_str(),
               static_cast<long long>(report.num_poses));
@@ -74,6 +84,7 @@ void AddExportCommand(CLI::App* app, int* /*exit_code*/) {
                     "Trajectory by the times of receipt, not by utime");
   command->add_option(
       "--types", options->types, "Folder of .lcm files with further types");
+  command->add_flag("-f,--force", options->force, "Replace outputs that exist");
   command->callback([options] {
     if (options->csv.empty() == options->tum.empty()) {
       throw InputError("export: give either --csv DIR or --tum FILE");

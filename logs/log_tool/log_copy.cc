@@ -19,14 +19,6 @@ std::regex ChannelRegex(const std::string& text) {
   }
 }
 
-// An output that is the input would be emptied before it is read.
-void CheckNotSame(const std::string& in, const std::string& out) {
-  std::error_code missing;  // Then they are not the same.
-  if (std::filesystem::equivalent(in, out, missing)) {
-    throw InputError(out + ": output and input are the same file");
-  }
-}
-
 class EventFilter {
  public:
   explicit EventFilter(const LogCopyOptions& options)
@@ -85,7 +77,7 @@ LogCopyReport CopyLog(const std::string& in,
                       const LogCopyOptions& options) {
   EventFilter filter(options);
   LogReader reader(in);
-  CheckNotSame(in, out);
+  CheckOutput(out, options.if_exists, {&in, 1});
   LogWriter writer(out, options.if_exists);
   Progress progress("copying " + in, reader.report().num_file_bytes);
   while (const auto event = reader.Next()) {

@@ -1,10 +1,10 @@
 #include "logs/log_tool/tum_export.h"
 
-#include "logs/log_tool/output_file.h"
 #include "logs/log_tool/text_table.h"
 #include "processes/support/input_error.h"
 #include "processes/support/log_file.h"
 #include "processes/support/message_fields.h"
+#include "processes/support/output_file.h"
 #include "processes/support/progress.h"
 
 #include <array>
@@ -149,8 +149,10 @@ TumReport ExportTum(const std::string& log,
                     const std::string& channel,
                     const std::string& out,
                     bool by_event_time,
-                    TypeTable* types) {
+                    TypeTable* types,
+                    IfExists if_exists) {
   LogReader reader(log);
+  CheckOutput(out, if_exists, {&log, 1});
   Progress progress("exporting " + log, reader.report().num_file_bytes);
   std::optional<OutputFile> file;
   std::set<std::string> channels;
@@ -165,7 +167,7 @@ TumReport ExportTum(const std::string& log,
     if (!pose) {
       throw InputError(channel + ": " + type.schema->name + " holds no pose");
     }
-    if (!file) file.emplace(out);
+    if (!file) file.emplace(out, if_exists);
     if (decoded.numbers.Find("is_known").value_or(1.0) == 0.0) {
       ++report.num_unknown;
       continue;

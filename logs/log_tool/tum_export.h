@@ -2,6 +2,7 @@
 #pragma once
 
 #include "logs/log_tool/type_table.h"
+#include "processes/support/output_file.h"
 
 #include <cstdint>
 #include <string>
@@ -21,13 +22,14 @@ struct TumReport {
 // the event's where it has none or `by_event_time` (for recordings whose utimes
 // come from another clock).
 //
-// Throws InputError where reading or writing fails, `out` exists, the channel
-// is missing (the message lists those there are), its type is unknown, has no
-// pose, or a message does not decode.
+// Throws InputError where reading or writing fails, `out` exists (kFail) or is
+// the log, the channel is missing (the message lists those there are), its type
+// is unknown, has no pose, or a message does not decode.
 TumReport ExportTum(const std::string& log,
                     const std::string& channel,
                     const std::string& out,
                     bool by_event_time,
-                    TypeTable* types);
+                    TypeTable* types,
+                    IfExists if_exists = IfExists::kFail);
 
 }  // namespace waymark

@@ -2,15 +2,13 @@
 
 #include "logs/evaluation/evaluation_text.h"
 #include "logs/report/html_report.h"
-#include "processes/support/input_error.h"
+#include "processes/support/output_file.h"
+#include "processes/support/run_tool.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <memory>
 
 namespace waymark {
@@ -23,27 +21,23 @@ struct ScoreOptions {
   std::vector<double> parameters;
 
   void Declare(CLI::App* command) {
-    const CLI::Range positive(1e-6, 1e9);
-    command
-        ->add_option("--max-gap-s",
-                     max_gap_s,
-                     "Widest gap of an estimate to interpolate across, s")
-        ->check(positive)
+    const auto add =
+        [command](const char* flag, auto* value, const char* description) {
+          return RequireRange(
+              command->add_option(flag, *value, description), 1e-6, 1e9);
+        };
+    add("--max-gap-s",
+        &max_gap_s,
+        "Widest gap of an estimate to interpolate across, s")
         ->capture_default_str();
-    command
-        ->add_option("--rpe-m", rpe_m, "Length of path of relative errors, m")
-        ->check(positive)
+    add("--rpe-m", &rpe_m, "Length of path of relative errors, m")
         ->capture_default_str();
-    command->add_option("--rpe-s", rpe_s, "Time of relative errors, s")
-        ->check(positive)
-        ->capture_default_str();
-    command
-        ->add_option("--parameters",
-                     parameters,
-                     "Known wheel parameters to compare with: k_right k_left "
-                     "(m per tick) wheel_base (m). Default: the batch result")
-        ->expected(3)
-        ->check(positive);
+    add("--rpe-s", &rpe_s, "Time of relative errors, s")->capture_default_str();
+    add("--parameters",
+        &parameters,
+        "Known wheel parameters to compare with: k_right k_left "
+        "(m per tick) wheel_base (m). Default: the batch result")
+        ->expected(3);
   }
 
   [[nodiscard]] EvaluationOptions Build() const {
@@ -63,18 +57,35 @@ LogEvaluation EvaluateFiles(const std::vector<std::string>& paths,
   return EvaluateRecording(ReadRecording(paths), score.Build());
 }
 
-void WriteText(const std::string& path, const std::string& text) {
-  if (path == "-") {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    return;
+// What is written where; "-" is standard output.
+struct Outputs {
+  std::string json;
+  std::string page;
+  bool force = false;
+
+  void Declare(CLI::App* command) {
+    command->add_flag("-f,--force", force, "Replace outputs that exist");
   }
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) {
-    throw InputError(path + ": cannot write: " + std::strerror(errno));
+  [[nodiscard]] IfExists if_exists() const {
+    return force ? IfExists::kReplace : IfExists::kFail;
   }
-}
+  // Before the work, so that it is not done in vain.
+  void Check(const std::vector<std::string>& inputs) const {
+    for (const std::string& path : {json, page}) {
+      if (path.empty() || path == "-") continue;
+      CheckOutput(path, if_exists(), inputs);
+    }
+  }
+  void Write(const std::string& path, const std::string& text) const {
+    if (path == "-") {
+      std::fwrite(text.data(), 1, text.size(), stdout);
+      return;
+    }
+    OutputFile file(path, if_exists());
+    file.Write(text);
+    file.Close();
+  }
+};
 
 std::string Dump(const nlohmann::json& json) {
   // Names of channels and sources are bytes of others: never throw on them.
@@ -89,7 +100,7 @@ void AddEvaluateCommand(CLI::App* app, int* exit_code) {
   struct Options {
     std::string log;
     std::vector<std::string> inputs;
-    std::string json;
+    Outputs outputs;
     ScoreOptions score;
   };
   const auto options = std::make_shared<Options>();
@@ -103,17 +114,20 @@ void AddEvaluateCommand(CLI::App* app, int* exit_code) {
                       "Further logs, read as if they were part of LOG: the "
                       "inputs where LOG holds outputs only");
   command->add_option("--json",
-                      options->json,
+                      options->outputs.json,
                       "Write the evaluation as JSON too; - instead of the "
-                      "table. An existing file is replaced");
+                      "table");
+  options->outputs.Declare(command);
   options->score.Declare(command);
   command->callback([options] {
     std::vector<std::string> paths{options->log};
     paths.insert(paths.end(), options->inputs.begin(), options->inputs.end());
+    const Outputs& outputs = options->outputs;
+    outputs.Check(paths);
     const LogEvaluation evaluation = EvaluateFiles(paths, options->score);
-    if (options->json != "-") WriteText("-", TableOf(evaluation));
-    if (!options->json.empty()) {
-      WriteText(options->json, Dump(JsonOf(evaluation)));
+    if (outputs.json != "-") outputs.Write("-", TableOf(evaluation));
+    if (!outputs.json.empty()) {
+      outputs.Write(outputs.json, Dump(JsonOf(evaluation)));
     }
   });
 }
@@ -122,8 +136,7 @@ void AddReportCommand(CLI::App* app, int* exit_code) {
   (void)exit_code;
   struct Options {
     std::vector<std::string> logs;
-    std::string out;
-    std::string json;
+    Outputs outputs;
     ScoreOptions score;
   };
   const auto options = std::make_shared<Options>();
@@ -133,23 +146,25 @@ void AddReportCommand(CLI::App* app, int* exit_code) {
       "summary");
   command->add_option("LOG", options->logs, "LCM logs, a section each")
       ->required();
-  command
-      ->add_option(
-          "--out", options->out, "The page; an existing file is replaced")
-      ->required();
-  command->add_option(
-      "--json", options->json, "Write the evaluations as a JSON list too");
+  command->add_option("--out", options->outputs.page, "The page")->required();
+  command->add_option("--json",
+                      options->outputs.json,
+                      "Write the evaluations as a JSON list too; - instead of "
+                      "the summary");
+  options->outputs.Declare(command);
   options->score.Declare(command);
   command->callback([options] {
+    const Outputs& outputs = options->outputs;
+    outputs.Check(options->logs);
     std::vector<LogEvaluation> evaluations;
     nlohmann::json list = nlohmann::json::array();
     for (const std::string& log : options->logs) {
       evaluations.push_back(EvaluateFiles({log}, options->score));
       list.push_back(JsonOf(evaluations.back()));
     }
-    WriteText(options->out, HtmlReport(evaluations));
-    if (!options->json.empty()) WriteText(options->json, Dump(list));
-    if (options->json != "-") WriteText("-", SummaryTableOf(evaluations));
+    outputs.Write(outputs.page, HtmlReport(evaluations));
+    if (!outputs.json.empty()) outputs.Write(outputs.json, Dump(list));
+    if (outputs.json != "-") outputs.Write("-", SummaryTableOf(evaluations));
   });
 }
 

@@ -57,7 +57,8 @@ void LoadConfiguration(const std::string& path,
     try {
       config->Check();
     } catch (const std::invalid_argument& error) {
-      throw InputError((path.empty() ? "configuration" : path) + ": " +
+      throw InputError((path.empty() ? "configuration" : path) +
+                       (settings.empty() ? ": " : " with --set: ") +
                        error.what());
     }
   }

@@ -9,6 +9,7 @@
 #include "estimation/base/time.h"
 #include "processes/support/decode.h"
 #include "processes/support/input_error.h"
+#include "processes/support/output_file.h"
 
 #include <cstdint>
 #include <memory>
@@ -88,8 +89,6 @@ class LogReader {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-enum class IfExists { kFail, kReplace };
 
 // Writes a log; events are numbered from 0. Whole records reach the file, so a
 // crash leaves at most a torn last one. Where the disk is full the file is cut

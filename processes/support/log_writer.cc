@@ -32,7 +32,7 @@ class LogWriter::Impl {
     const int mode = if_exists == IfExists::kFail ? O_EXCL : O_TRUNC;
     fd_ = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | mode, 0644);
     if (fd_ < 0 && errno == EEXIST) {
-      throw InputError(path + ": output exists already; choose another name");
+      throw InputError(path + ": exists already; --force replaces it");
     }
     if (fd_ < 0) {
       throw InputError(path + ": cannot be created: " + std::strerror(errno));

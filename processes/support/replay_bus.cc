@@ -8,7 +8,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <deque>
-#include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -150,18 +149,6 @@ std::int64_t ReplayBus::num_left_out() const {
   return impl_->num_left_out;
 }
 
-namespace {
-
-void CheckOutput(const ReplayOptions& options) {
-  std::error_code error;
-  if (!options.log_out.empty() &&
-      std::filesystem::equivalent(options.log_in, options.log_out, error)) {
-    throw InputError(options.log_out + ": is the log that is read");
-  }
-}
-
-}  // namespace
-
 ReplayReport RunReplay(const std::vector<ReplayProcess>& processes,
                        const ReplayOptions& options) {
   std::set<std::string> names;
@@ -175,11 +162,12 @@ ReplayReport RunReplay(const std::vector<ReplayProcess>& processes,
     setups.back()->Load(process.config_path, process.settings);
   }
   LogReader reader(options.log_in);
-  CheckOutput(options);
-  std::optional<LogWriter> writer;
+  if (!options.log_out.empty()) {
+    CheckOutput(options.log_out, options.if_exists, {&options.log_in, 1});
+  }
+  std::optional<LogWriter> writer;  // Made once all processes stand.
   ReplayBus::Sink sink;
   if (!options.log_out.empty()) {
-    writer.emplace(options.log_out, options.if_exists);
     sink = [&writer](Time time,
                      std::string_view channel,
                      std::span<const std::uint8_t> data) {
@@ -194,6 +182,7 @@ ReplayReport RunReplay(const std::vector<ReplayProcess>& processes,
         processes[i].process_class.name,
         PrintConfiguration([setup](Describer& d) { setup->Describe(d); }))));
   }
+  if (sink) writer.emplace(options.log_out, options.if_exists);
 
   ReplayReport report;
   while (true) {

@@ -47,17 +47,20 @@ void AddFlags(CLI::App* app, Flags* flags) {
   app->add_option("--set", flags->settings, "One value, after the file")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app->add_option("--lcm-url", flags->lcm_url, "Run live on this LCM network")
-      ->type_name("URL");
+  auto* lcm_url =
+      app->add_option(
+             "--lcm-url", flags->lcm_url, "Run live on this LCM network")
+          ->type_name("URL");
   auto* log_in =
       app->add_option("--log-in", flags->log_in, "Run offline on this log")
-          ->type_name("LOG");
+          ->type_name("LOG")
+          ->excludes(lcm_url);
   auto* log_out = app->add_option("--log-out",
                                   flags->log_out,
                                   "Its copy with this process's outputs")
                       ->type_name("LOG")
                       ->needs(log_in);
-  app->add_flag("--force", flags->force, "Replace the file at --log-out")
+  app->add_flag("-f,--force", flags->force, "Replace the file at --log-out")
       ->needs(log_out);
   app->add_flag("--check-config",
                 flags->check_config,
@@ -67,8 +70,8 @@ void AddFlags(CLI::App* app, Flags* flags) {
                 "Print all values as YAML, then exit");
   app->add_flag("--describe-config",
                 flags->describe_config,
-                "Print all keys as a table, then exit")
-      ->group("");  // For the generated reference: not shown.
+                "Print all keys with default, allowed range and meaning, then "
+                "exit");
   app->set_version_flag("--version", WAYMARK_VERSION);
 }
 

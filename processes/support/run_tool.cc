@@ -1,6 +1,7 @@
 #include "processes/support/run_tool.h"
 
 #include "processes/support/input_error.h"
+#include "processes/support/output_file.h"
 
 #include <CLI/CLI.hpp>
 
@@ -59,6 +60,19 @@ int RunTool(int argc,
     return kFault;
   }
   return exit_code;
+}
+
+CLI::Option* RequireRange(CLI::Option* option, double min, double max) {
+  const std::string range =
+      "[" + ShortestNumber(min) + ", " + ShortestNumber(max) + "]";
+  return option->check(
+      [=](const std::string& text) {
+        double value = 0.0;
+        const bool is_number = CLI::detail::lexical_cast(text, value);
+        if (is_number && value >= min && value <= max) return std::string();
+        return "'" + text + "' is not a number in " + range;
+      },
+      "in " + range);
 }
 
 }  // namespace waymark

@@ -6,6 +6,7 @@
 
 namespace CLI {
 class App;
+class Option;
 }  // namespace CLI
 
 namespace waymark {
@@ -20,5 +21,8 @@ int RunTool(int argc,
             const std::string& name,
             const std::string& description,
             const std::function<void(CLI::App* app, int* exit_code)>& add);
+
+// The option takes numbers from `min` to `max` only. CLI::Range takes NaN too.
+CLI::Option* RequireRange(CLI::Option* option, double min, double max);
 
 }  // namespace waymark

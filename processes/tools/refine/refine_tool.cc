@@ -5,6 +5,7 @@
 #include "processes/pose_filter/parameter_file.h"
 #include "processes/support/configuration.h"
 #include "processes/support/input_error.h"
+#include "processes/support/output_file.h"
 #include "processes/support/run_tool.h"
 #include "processes/tools/refine/refine_log.h"
 #include "processes/tools/refine/refine_report.h"
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -91,21 +91,17 @@ RefineOutcome Refine(const std::vector<const RefineLog*>& logs,
   return outcome;
 }
 
-void RequireNew(const std::string& path, bool replace) {
-  if (path.empty() || replace) return;
-  if (std::ifstream(path).good()) {
-    throw InputError(path + ": exists already (--force replaces it)");
-  }
-}
-
 void Run(const Request& request, int* exit_code) {
   RefineConfig config;
   LoadConfiguration("", request.settings, &config);
   if (!request.out.empty() && request.logs.size() > 1 && !request.is_joint) {
     throw InputError("--out takes one result: give one log, or --joint");
   }
-  RequireNew(request.json, request.replace);
-  RequireNew(request.out, request.replace);
+  const IfExists if_exists =
+      request.replace ? IfExists::kReplace : IfExists::kFail;
+  for (const std::string& path : {request.json, request.out}) {
+    if (!path.empty()) CheckOutput(path, if_exists, request.logs);
+  }
   std::vector<RefineLog> logs;
   for (const std::string& path : request.logs) {
     logs.push_back(ReadRefineLog(path, config.max_wheel_speed));
@@ -123,10 +119,9 @@ void Run(const Request& request, int* exit_code) {
     std::fputs(RefineTable(outcome).c_str(), stdout);
   }
   if (!request.json.empty()) {
-    std::ofstream file(request.json);
-    file << RefineJson(outcomes);
-    file.close();
-    if (!file) throw InputError(request.json + ": cannot be written");
+    OutputFile file(request.json, if_exists);
+    file.Write(RefineJson(outcomes));
+    file.Close();
   }
   const BatchResult& first = outcomes[0].result;
   if (!request.out.empty() && HasAnswer(first.status)) {
@@ -167,7 +162,8 @@ int RunRefineTool(int argc, char** argv) {
                         request.out,
                         "Wheel parameters as YAML that pose_filter loads "
                         "(parameters_file)");
-        app->add_flag("--force", request.replace, "Replace existing files");
+        app->add_flag(
+            "-f,--force", request.replace, "Replace outputs that exist");
         app->callback([&, exit_code] { Run(request, exit_code); });
       });
 }

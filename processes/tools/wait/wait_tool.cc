@@ -108,9 +108,10 @@ int WaitForIdle(const WaitOptions& options) {
 void AddCommonOptions(CLI::App* command, WaitOptions* options) {
   command->add_option(
       "--lcm-url", options->url, "LCM network (else LCM_DEFAULT_URL)");
-  command
-      ->add_option("--timeout", options->timeout_s, "Give up after so long, s")
-      ->check(CLI::Range(0.0, 1e6))
+  RequireRange(command->add_option(
+                   "--timeout", options->timeout_s, "Give up after so long, s"),
+               0.0,
+               1e6)
       ->capture_default_str();
 }
 
@@ -135,8 +136,8 @@ int RunWaitTool(int argc, char** argv) {
             "idle",
             "Waits until no message came for a while, STATUS and CONFIG "
             "aside");
-        idle->add_option("--for", options->idle_s, "How long, s")
-            ->check(CLI::Range(0.0, 1e6))
+        RequireRange(
+            idle->add_option("--for", options->idle_s, "How long, s"), 0.0, 1e6)
             ->capture_default_str();
         AddCommonOptions(idle, options.get());
         idle->callback(

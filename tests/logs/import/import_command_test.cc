@@ -113,6 +113,8 @@ TEST(ImportCommandTest, OneRunBecomesOneLog) {
   EXPECT_THAT(Import({run, out}),
               EndsWith("out.log: exists already; --force "
                        "replaces it"));
+  EXPECT_THAT(Import({run, run, "--force"}),
+              EndsWith("run-01.csv: is an input too; choose another name"));
   EXPECT_EQ(Import({run, out, "--force", "--every", "2"}), "no error");
   EXPECT_EQ(NumEvents(out), 9);
   EXPECT_EQ(Import({"optiodom_diffdrive", run, folder / "b.log"}), "no error");
@@ -185,7 +187,8 @@ TEST(ImportCommandTest, BadFlagsAndInputsAreOneLine) {
   EXPECT_THAT(Import({folder / "none", out}), EndsWith("none: no such file"));
   EXPECT_THAT(Import({run, out, "--every", "0"}), HasSubstr("--every"));
   EXPECT_THAT(Import({run, out, "--noise-m", "-1"}), HasSubstr("--noise-m"));
-  EXPECT_THAT(Import({run, out, "--noise-m", "nan"}), HasSubstr("noise_m is"));
+  EXPECT_THAT(Import({run, out, "--noise-m", "nan"}),
+              HasSubstr("--noise-m: 'nan'"));
   EXPECT_THAT(Import({run, out, "--use", "both"}), HasSubstr("--use"));
   EXPECT_THAT(Import({run, out, "--format", "mp3"}), HasSubstr("--format"));
   EXPECT_THAT(Import({run, out, "--mounting", "1"}), HasSubstr("--mounting"));

@@ -106,7 +106,7 @@ TEST_F(LogCopyTest, NeverOverwritesWhatItShouldNot) {
   LogCopyOptions replace;
   replace.if_exists = IfExists::kReplace;
   EXPECT_THAT(ErrorOf([&] { CopyLog(log_, log_, replace); }),
-              HasSubstr("same file"));
+              HasSubstr("is an input too"));
   WriteBytes(out_, before);
   EXPECT_THAT(ErrorOf([&] { CopyLog(log_, out_, {}); }), HasSubstr("exists"));
   EXPECT_EQ(ReadBytes(log_), before);

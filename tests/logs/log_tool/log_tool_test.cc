@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 
 namespace waymark {
 namespace {
@@ -120,7 +121,7 @@ TEST_F(LogToolProgramTest, BadInputIsOneLineAndExitCode2) {
   for (const std::string command : {"repair ", "cut "}) {
     ExpectRefused(command + picture + " " + out_, "is not an LCM log");
     ExpectRefused(command + log_ + " " + picture, "exists already");
-    ExpectRefused(command + log_ + " " + log_ + " -f", "same file");
+    ExpectRefused(command + log_ + " " + log_ + " -f", "is an input too");
     ExpectRefused(command + log_ + " /dev/full -f", "No space left on device");
     ExpectRefused(command + log_ + " /none/a.log", "cannot be created");
   }
@@ -136,6 +137,56 @@ TEST_F(LogToolProgramTest, BadInputIsOneLineAndExitCode2) {
                 "exists already");
   ExpectRefused("export " + log_ + " --csv " + picture, "cannot be made");
   EXPECT_EQ(ReadBytes(picture), jpeg);
+}
+
+TEST_F(LogToolProgramTest, OutputsNeverReplaceWhatWasNotMeant) {
+  WriteDrive();
+  const auto log = ReadBytes(log_);
+  const std::string link = directory_ / "link.log";
+  std::filesystem::create_hard_link(log_, link);
+  const std::string mine = directory_ / "mine";
+  WriteBytes(mine, std::vector<std::uint8_t>{1, 2});
+  const std::string page = " --out " + (directory_ / "page.html");
+  // Each command but for the output's name.
+  for (const std::string& command :
+       {"evaluate " + log_ + " --json ",
+        "evaluate " + mine + " --inputs " + log_ + " --json ",
+        "report " + log_ + " --out ",
+        "report " + log_ + page + " --json ",
+        "export " + log_ + " --channel POSE --tum "}) {
+    ExpectRefused(command + log_ + " -f", "is an input too");
+    ExpectRefused(command + link + " -f", "is an input too");
+    if (command.find(mine) != std::string::npos) continue;
+    ExpectRefused(command + mine, "mine: exists already; --force replaces it");
+    EXPECT_EQ(ReadBytes(mine).size(), 2U);
+    EXPECT_EQ(RunTool(command + mine + " -f").exit_code, 0) << command;
+    EXPECT_GT(ReadBytes(mine).size(), 2U);
+    WriteBytes(mine, std::vector<std::uint8_t>{1, 2});
+    std::filesystem::remove(directory_ / "page.html");
+  }
+  const std::string csv = "export " + log_ + " --csv " + (directory_ / "csv");
+  EXPECT_EQ(RunTool(csv).exit_code, 0);
+  ExpectRefused(csv, "exists already; --force replaces it");
+  EXPECT_EQ(RunTool(csv + " -f").exit_code, 0);
+  EXPECT_EQ(ReadBytes(log_), log);
+}
+
+TEST_F(LogToolProgramTest, NumbersThatAreNoneAreRefused) {
+  WriteDrive();
+  for (const std::string flag :
+       {"--max-gap-s ", "--rpe-m ", "--rpe-s ", "--parameters 1 1 "}) {
+    for (const std::string value : {"nan", "inf", "0", "x"}) {
+      ExpectRefused("evaluate " + log_ + " " + flag + value,
+                    "'" + value + "' is not a number in [1e-06, 1e+09]");
+    }
+  }
+  for (const std::string flag : {"--noise-m ",
+                                 "--noise-rad ",
+                                 "--reference-delay ",
+                                 "--mounting 0 0 "}) {
+    ExpectRefused("import " + log_ + " " + out_ + " " + flag + "nan",
+                  "'nan' is not a number in [");
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -283,6 +284,26 @@ TEST(ReplayBus, BadFilesAreRefused) {
       InputError);
   std::remove(in.c_str());
   std::remove(out.c_str());
+}
+
+struct RefusingProcess {
+  struct Config {
+    void Describe(Describer&) {}
+  };
+  static constexpr std::string_view kName = "refusing";
+  RefusingProcess(const Config&, Bus*) { throw InputError("no"); }
+};
+
+TEST(ReplayBus, AProcessThatCannotStartLeavesNoOutput) {
+  const std::string in = WriteLog("replay_in.lcm", Recording(1));
+  const std::string out = testing::TempDir() + "replay_none.lcm";
+  std::remove(out.c_str());
+  EXPECT_THROW((void)RunReplay(
+                   {ReplayProcess{MakeProcessClass<RefusingProcess>(), "", {}}},
+                   Options(in, out, IfExists::kFail)),
+               InputError);
+  EXPECT_FALSE(std::filesystem::exists(out));
+  std::remove(in.c_str());
 }
 
 TEST(ReplayBus, StopEndsLikeTheEndOfTheLog) {

@@ -113,11 +113,13 @@ TEST_F(RunProcessTest, BadInputIsOneLineAndExitCodeTwo) {
             "echo: --set scale=fast: scale = fast: must be a number in [0, "
             "10]\n");
   EXPECT_EQ(Refusal({"--set", "scale=3"}),
-            "echo: configuration: scale = 3: is taken\n");
+            "echo: configuration with --set: scale = 3: is taken\n");
   EXPECT_THAT(Refusal({"--bogus"}), HasSubstr("--bogus"));
   EXPECT_THAT(Refusal({"--set"}), HasSubstr("--set"));
   EXPECT_EQ(Refusal({"--log-out", folder_ + "out.lcm"}),
             "echo: --log-out requires --log-in\n");
+  EXPECT_EQ(Refusal({"--log-in", folder_ + "in.lcm", "--lcm-url", "memq://"}),
+            "echo: --lcm-url excludes --log-in\n");
   EXPECT_THAT(Refusal({"--log-in", folder_ + "none.lcm"}),
               StartsWith("echo: " + folder_ + "none.lcm: "));
   EXPECT_THAT(Refusal({"--log-in",
@@ -125,7 +127,7 @@ TEST_F(RunProcessTest, BadInputIsOneLineAndExitCodeTwo) {
                        "--log-out",
                        folder_ + "in.lcm",
                        "--force"}),
-              HasSubstr("is the log that is read"));
+              HasSubstr("in.lcm: is an input too"));
   EXPECT_THAT(Refusal({"--lcm-url", "udpm:/x"}), HasSubstr("LCM URL udpm:/x"));
   EXPECT_THAT(Refusal({"--lcm-url", "tcpq://127.0.0.1:1"}),
               HasSubstr("no broker answers"));

@@ -109,6 +109,12 @@ TEST_F(RefineTool, BadInputIsOneLine) {
   std::ofstream(exists) << "mine";
   expect_line({Sample("square"), "--json", exists}, "exists");
   EXPECT_EQ(ReadAll(exists), "mine");
+  const std::string log = directory_ / "square.log";
+  std::filesystem::copy_file(Sample("square"), log);
+  for (const char* flag : {"--json", "--out"}) {
+    expect_line({log, flag, log, "--force"}, "square.log: is an input too");
+    EXPECT_EQ(ReadAll(log), ReadAll(Sample("square")));
+  }
   const std::string empty = directory_ / "empty.log";
   std::ofstream(empty).close();
   EXPECT_EQ(Run({empty}), 2);

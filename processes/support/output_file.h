@@ -1,18 +1,29 @@
-// Text files that tools write, and numbers as text.
+// Files that tools write: none is lost that was there before.
 #pragma once
 
 #include <charconv>
 #include <cstdio>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace waymark {
 
+enum class IfExists { kFail, kReplace };
+
+// To be called for every output before the work begins. Throws InputError
+// where `path` is one of `inputs`, by whatever name or link, since it would be
+// emptied before or after it is read; or, with kFail, where it exists.
+void CheckOutput(const std::string& path,
+                 IfExists if_exists,
+                 std::span<const std::string> inputs);
+
 class OutputFile {
  public:
-  // Throws InputError where `path` exists or cannot be created.
-  explicit OutputFile(const std::string& path);
+  // Throws InputError where `path` exists (kFail) or cannot be created.
+  explicit OutputFile(const std::string& path,
+                      IfExists if_exists = IfExists::kFail);
 
   // Both throw InputError where the disk does not take it.
   void Write(std::string_view text);
