@@ -41,6 +41,10 @@ struct Contents {
   throw InputError(path + ": " + why);
 }
 
+std::string CannotBeWritten(int error) {
+  return std::string("cannot be written: ") + std::strerror(error);
+}
+
 }  // namespace
 
 std::optional<OdometryParameters> LoadParameterFile(const std::string& path) {
@@ -71,6 +75,13 @@ std::optional<OdometryParameters> LoadParameterFile(const std::string& path) {
   return parameters;
 }
 
+void CheckParameterFolder(const std::string& path) {
+  const auto folder = std::filesystem::absolute(path).parent_path();
+  if (::access(folder.c_str(), W_OK) != 0) {
+    Fail(path, CannotBeWritten(errno));
+  }
+}
+
 void SaveParameterFile(const std::string& path,
                        const OdometryParameters& parameters) {
   Contents contents;
@@ -83,13 +94,13 @@ void SaveParameterFile(const std::string& path,
   }
   contents.num_measurements = parameters.num_measurements;
   const std::string text =
-      "# Wheel parameters learned by pose_filter.\n" +
+      "# Wheel parameters, saved by pose_filter or waymark-refine.\n" +
       PrintConfiguration([&](Describer& d) { contents.Describe(d); });
 
   const std::string beside = path + ".new";
   const int file =
       ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) Fail(beside, std::strerror(errno));
+  if (file < 0) Fail(path, CannotBeWritten(errno));
   // Synced before the rename: after a power cut the name must not point to
   // an empty file.
   const bool written = ::write(file, text.data(), text.size()) ==
@@ -99,12 +110,12 @@ void SaveParameterFile(const std::string& path,
   ::close(file);
   if (!written) {
     ::unlink(beside.c_str());
-    Fail(beside, std::strerror(write_error == 0 ? ENOSPC : write_error));
+    Fail(path, CannotBeWritten(write_error == 0 ? ENOSPC : write_error));
   }
   if (std::rename(beside.c_str(), path.c_str()) != 0) {
     const int rename_error = errno;
     ::unlink(beside.c_str());
-    Fail(path, std::strerror(rename_error));
+    Fail(path, CannotBeWritten(rename_error));
   }
 }
 

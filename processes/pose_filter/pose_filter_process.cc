@@ -18,6 +18,8 @@ constexpr double kSavePeriod_s = 30.0;
 DelayedFusionOptions OptionsOf(const PoseFilterConfig& config) {
   DelayedFusionOptions options = config.Options();
   if (!config.parameters_file.empty()) {
+    // Now, not after hours of driving whose result cannot be saved.
+    CheckParameterFolder(config.parameters_file);
     options.filter.learned = LoadParameterFile(config.parameters_file);
   }
   return options;

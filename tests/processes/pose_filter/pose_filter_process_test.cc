@@ -433,11 +433,21 @@ TEST_F(ParameterFileTest, CorruptFileIsOneClearLine) {
   EXPECT_EQ(ErrorOf(config), "");
 }
 
-TEST_F(ParameterFileTest, UnwritablePlaceIsReportedAndDrivingGoesOn) {
+TEST_F(ParameterFileTest, MissingFolderIsRefusedAtTheStart) {
   PoseFilterConfig config = Config();
   config.parameters_file = folder_ / "absent" / "wheels.yaml";
+  EXPECT_THAT(ErrorOf(config),
+              AllOf(HasSubstr("absent/wheels.yaml: cannot be written: "),
+                    HasSubstr("No such file or directory")));
+}
+
+TEST_F(ParameterFileTest, PlaceThatVanishesIsReportedAndDrivingGoesOn) {
+  PoseFilterConfig config = Config();
+  config.parameters_file = folder_ / "absent" / "wheels.yaml";
+  std::filesystem::create_directory(folder_ / "absent");
   const OdometryScene scene = Scene(60);
   World world(config);
+  std::filesystem::remove(folder_ / "absent");
   world.Publish(scene);
   world.bus.Run();
   EXPECT_THAT(StatusOf(world.bus).fault, HasSubstr("absent/wheels.yaml"));
