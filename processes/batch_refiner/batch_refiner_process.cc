@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace waymark {
 
@@ -69,13 +70,33 @@ void BatchRefinerProcess::StartAnew(std::string_view why) {
 
 void BatchRefinerProcess::OnReading(const EncoderReading& raw,
                                     int counter_bits) {
+  const auto is_far = [this](Time a, Time b) {
+    return std::max(a, b) - std::min(a, b) >
+           DurationFromSeconds(config_.window.window_s);
+  };
   const auto newest = window_.newest();
-  const Duration window = DurationFromSeconds(config_.window.window_s);
-  if (newest && raw.time < *newest - window) {
-    StartAnew("time went back by more than the window: started anew");
+  const std::optional<Reading> far = std::exchange(far_, std::nullopt);
+  const bool is_alone = !far || is_far(raw.time, far->raw.time);
+  if (far && is_alone) {
+    bus_->ReportBad(kEncoders,
+                    Bad::kContent,
+                    "utime " + std::to_string(Microseconds(far->raw.time)) +
+                        " alone, far from all others");
+  }
+  if (newest && is_far(raw.time, *newest)) {
+    if (is_alone) {
+      far_ = Reading{raw, counter_bits};
+      return;
+    }
+    StartAnew("time jumped by more than the window: started anew");
     counter_ = EncoderCounter();
     if (nominal_) SetNominal(*nominal_);
+    Take(far->raw, far->counter_bits);
   }
+  Take(raw, counter_bits);
+}
+
+void BatchRefinerProcess::Take(const EncoderReading& raw, int counter_bits) {
   const EncoderStep step = counter_.Add(raw, counter_bits);
   if (!step.is_accepted) {
     bus_->ReportBad(kEncoders, Bad::kContent, step.reason);

@@ -35,7 +35,16 @@ class BatchRefinerProcess {
   void Finish();
 
  private:
+  struct Reading {
+    EncoderReading raw;
+    int counter_bits = 0;
+  };
+
+  // A reading whose stamp is farther than the window from all others waits for
+  // a second one beside it (a log played again, a clock that was set): alone it
+  // is a wrong stamp, and must not cost what the window holds.
   void OnReading(const EncoderReading& raw, int counter_bits);
+  void Take(const EncoderReading& raw, int counter_bits);
   void OnParameters(const OdometryParameters& parameters);
   void SetNominal(const WheelParameters& nominal);
   void StartAnew(std::string_view why);
@@ -46,6 +55,7 @@ class BatchRefinerProcess {
   std::optional<WheelParameters> nominal_;
   EncoderCounter counter_;
   BatchWindow window_;
+  std::optional<Reading> far_;
   EncoderReading total_;  // Counts without wraps.
   std::optional<Time> solved_;
   std::int64_t seq_ = 0;

@@ -239,6 +239,32 @@ TEST(BatchRefinerProcess, CounterWrapDoesNotMatter) {
             clean.Published().back().wheel_base);
 }
 
+// From the far past and from the far future, early and late in the window.
+TEST(BatchRefinerProcess, OneWrongStampCostsOneReading) {
+  World clean(Config());
+  const BatchSimulation simulation = Simulate();
+  clean.Play(simulation);
+  World world(Config());
+  const auto publish = [&](std::size_t i, Time stamp) {
+    EncoderReading wrong = simulation.log.encoders[i];
+    const Time sent = wrong.time + Duration(1);
+    wrong.time = stamp;
+    world.local.PublishAt(sent, kEncoders, ToMessage(wrong, 0, false));
+  };
+  const Time far =
+      TimeFromMicroseconds(std::numeric_limits<int64_t>::max() / 2);
+  publish(100, TimeFromMicroseconds(1));
+  publish(200, far);
+  publish(900, far);
+  publish(901, TimeFromMicroseconds(1));
+  world.Play(simulation);
+  EXPECT_EQ(world.Bad(kEncoders), 4);
+  ASSERT_EQ(world.Published().size(), clean.Published().size());
+  for (std::size_t i = 0; i < clean.Published().size(); ++i) {
+    EXPECT_EQ(world.Published()[i].wheel_base, clean.Published()[i].wheel_base);
+  }
+}
+
 TEST(BatchRefinerProcess, TimeGoingBackStartsAnew) {
   BatchRefinerConfig config = Config();
   config.window.window_s = 30.0;
