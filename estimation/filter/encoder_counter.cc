@@ -1,5 +1,6 @@
 #include "estimation/filter/encoder_counter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -13,6 +14,10 @@ std::int64_t WrappedDifference(std::int64_t from, std::int64_t to, int bits) {
   std::int64_t difference = (to - from) % modulus;
   if (difference < 0) difference += modulus;
   return difference >= modulus / 2 ? difference - modulus : difference;
+}
+
+double Farthest(const WheelTicks& ticks) {
+  return std::max(std::abs(ticks.right), std::abs(ticks.left));
 }
 
 }  // namespace
@@ -84,16 +89,23 @@ EncoderStep EncoderCounter::Add(const EncoderReading& raw, int counter_bits) {
   }
   const Difference d = Between(*last_, raw, counter_bits);
   step.seconds = d.seconds;
-  if (d.is_possible) {
+  const Difference agreeing =
+      first_refused_ ? Between(last_refused_, raw, counter_bits) : Difference{};
+  // What may have been turned grows with the time since the last accepted
+  // reading, so a reset that was refused would pass as motion a little later.
+  // A reading belongs to what it is nearer to.
+  const bool follows_refused =
+      agreeing.is_possible && Farthest(agreeing.ticks) < Farthest(d.ticks);
+  if (d.is_possible && !follows_refused) {
     step.is_accepted = true;
     step.ticks = d.ticks;
     Rebase(raw);
     return step;
   }
-  step.reason = d.reason;
+  step.reason = d.is_possible ? "encoder jump: follows refused readings, not "
+                                "the last accepted one"
+                              : d.reason;
   if (d.seconds <= 0.0) return step;
-  const Difference agreeing =
-      first_refused_ ? Between(last_refused_, raw, counter_bits) : Difference{};
   if (agreeing.is_possible) {
     ++num_agreeing_;
     refused_ticks_.right += agreeing.ticks.right;

@@ -94,6 +94,38 @@ TEST(EncoderCounter, ResetBecomesTheNewBaseLine) {
   EXPECT_EQ(counter.Add(At(0.12, 180, 120), 0).ticks.right, 30);
 }
 
+// The farthest that is possible grows while readings are refused: whatever was
+// counted before, a reset that was refused is never taken for motion later.
+TEST(EncoderCounter, ResetOfASmallCountIsNeverTakenForMotion) {
+  for (const std::int64_t before : {1250, 1500, 1900, 2500, 10'000}) {
+    for (const int sign : {1, -1}) {
+      EncoderCounter counter(Bounded());
+      (void)counter.Add(At(0, sign * before, sign * before), 0);
+      double unknown_s = 0.0;
+      for (int i = 1; i <= 10; ++i) {
+        const EncoderStep step =
+            counter.Add(At(0.02 * i, sign * 30 * i, sign * 20 * i), 0);
+        EXPECT_EQ(step.is_accepted, i >= 5) << before << ", reading " << i;
+        EXPECT_LE(std::abs(step.ticks.right), 150.0) << before;
+        EXPECT_EQ(step.reason.empty(), step.is_accepted && i > 5);
+        unknown_s += step.unknown_s;
+      }
+      EXPECT_NEAR(unknown_s, 0.02, 1e-9);
+    }
+  }
+}
+
+// One wild reading just beyond what is possible, toward which the wheels turn.
+TEST(EncoderCounter, ReadingsAfterANearWildOneFollowTheLastGoodOne) {
+  EncoderCounter counter(Bounded());
+  (void)counter.Add(At(0, 0, 0), 0);
+  EXPECT_FALSE(counter.Add(At(0.02, 1210, 0), 0).is_accepted);
+  const EncoderStep next = counter.Add(At(0.04, 200, 200), 0);
+  ASSERT_TRUE(next.is_accepted) << next.reason;
+  EXPECT_EQ(next.ticks.right, 200);
+  EXPECT_EQ(next.unknown_s, 0);
+}
+
 TEST(EncoderCounter, GarbageIsNeverBelieved) {
   EncoderCounter counter(Bounded());
   (void)counter.Add(At(0, 0, 0), 0);
