@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -82,6 +84,25 @@ std::vector<PlotPoint> OverTime(Time start,
   return points;
 }
 
+// One line per shown estimate of which `points_of` has points.
+void AddEstimates(
+    const LogEvaluation& evaluation,
+    const std::function<std::vector<PlotPoint>(const EstimateEvaluation&)>&
+        points_of,
+    Plot* plot) {
+  for (const Shown& shown : kShown) {
+    const EstimateEvaluation* estimate = Find(evaluation, shown);
+    if (estimate == nullptr) continue;
+    std::vector<PlotPoint> points = points_of(*estimate);
+    if (points.empty()) continue;
+    plot->series.push_back({shown.label,
+                            shown.role,
+                            PlotSeries::Style::kLine,
+                            std::move(points),
+                            {}});
+  }
+}
+
 }  // namespace
 
 Plot TrajectoryPlot(const LogEvaluation& evaluation) {
@@ -110,23 +131,18 @@ Plot TrajectoryPlot(const LogEvaluation& evaluation) {
   }
   plot.series.push_back(
       {"position fixes", "fix", PlotSeries::Style::kDots, fixes, {}});
-  for (const Shown& shown : kShown) {
-    const EstimateEvaluation* estimate = Find(evaluation, shown);
-    if (estimate == nullptr || estimate->path.empty()) continue;
-    plot.series.push_back({shown.label,
-                           shown.role,
-                           PlotSeries::Style::kLine,
-                           PathPoints(estimate->path,
-                                      [&](const EstimatedPose& pose) {
-                                        return (pose.X_WR * p_RS).eval();
-                                      }),
-                           {}});
-  }
+  AddEstimates(
+      evaluation,
+      [&](const EstimateEvaluation& estimate) {
+        return PathPoints(estimate.path, [&](const EstimatedPose& pose) {
+          return (pose.X_WR * p_RS).eval();
+        });
+      },
+      &plot);
   return plot;
 }
 
 Plot PositionErrorPlot(const LogEvaluation& evaluation) {
-  const Time start = StartOf(evaluation);
   Plot plot;
   plot.title = "Position error";
   plot.x_label = "time, s";
@@ -134,65 +150,54 @@ Plot PositionErrorPlot(const LogEvaluation& evaluation) {
   plot.height = 420;  // As the path beside it.
   plot.is_log_y = true;
   plot.y_floor = 0.1;  // mm: below what any reference here resolves.
-  for (const Shown& shown : kShown) {
-    const EstimateEvaluation* estimate = Find(evaluation, shown);
-    if (estimate == nullptr || !estimate->absolute) continue;
-    constexpr double kMillimetres = 1e3;
-    plot.series.push_back({shown.label,
-                           shown.role,
-                           PlotSeries::Style::kLine,
-                           OverTime(start,
-                                    estimate->absolute->times,
-                                    estimate->absolute->position,
-                                    kMillimetres),
-                           {}});
-  }
+  constexpr double kMillimetres = 1e3;
+  AddEstimates(
+      evaluation,
+      [start = StartOf(evaluation)](const EstimateEvaluation& estimate) {
+        if (!estimate.absolute) return std::vector<PlotPoint>();
+        const AbsoluteError& error = *estimate.absolute;
+        return OverTime(start, error.times, error.position, kMillimetres);
+      },
+      &plot);
   return plot;
 }
 
 Plot HeadingErrorPlot(const LogEvaluation& evaluation) {
-  const Time start = StartOf(evaluation);
   Plot plot;
   plot.title = "Heading error";
   plot.x_label = "time, s";
   plot.y_label = "estimate - reference, °";
-  for (const Shown& shown : kShown) {
-    const EstimateEvaluation* estimate = Find(evaluation, shown);
-    if (estimate == nullptr || !estimate->absolute) continue;
-    plot.series.push_back({shown.label,
-                           shown.role,
-                           PlotSeries::Style::kLine,
-                           OverTime(start,
-                                    estimate->absolute->heading_times,
-                                    estimate->absolute->heading,
-                                    DegreesFromRadians(1.0),
-                                    kPi),
-                           {}});
-  }
+  AddEstimates(
+      evaluation,
+      [start = StartOf(evaluation)](const EstimateEvaluation& estimate) {
+        if (!estimate.absolute) return std::vector<PlotPoint>();
+        const AbsoluteError& error = *estimate.absolute;
+        return OverTime(start,
+                        error.heading_times,
+                        error.heading,
+                        DegreesFromRadians(1.0),
+                        kPi);
+      },
+      &plot);
   return plot;
 }
 
 Plot NeesPlot(const LogEvaluation& evaluation) {
-  const Time start = StartOf(evaluation);
   Plot plot;
   plot.title = "Consistency (NEES of the position)";
   plot.x_label = "time, s";
   plot.y_label = "NEES, no unit";
   plot.is_log_y = true;
   plot.y_floor = 1e-3;
-  for (const Shown& shown : kShown) {
-    const EstimateEvaluation* estimate = evaluation.Find(shown.id);
-    if (estimate == nullptr || !estimate->nees_position) continue;
-    const Nees& nees = *estimate->nees_position;
-    plot.series.push_back({shown.label,
-                           shown.role,
-                           PlotSeries::Style::kLine,
-                           OverTime(start, nees.times, nees.values, 1.0),
-                           {}});
-    if (plot.bands.empty()) {
-      plot.bands.push_back({nees.band.low, nees.band.high, "95 % band"});
-    }
-  }
+  AddEstimates(
+      evaluation,
+      [&plot, start = StartOf(evaluation)](const EstimateEvaluation& estimate) {
+        if (!estimate.nees_position) return std::vector<PlotPoint>();
+        const Nees& nees = *estimate.nees_position;
+        plot.bands = {{nees.band.low, nees.band.high, "95 % band"}};
+        return OverTime(start, nees.times, nees.values, 1.0);
+      },
+      &plot);
   return plot;
 }
 
