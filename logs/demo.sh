@@ -30,8 +30,16 @@ arguments=("$@")
 while (($#)); do
   case $1 in
     -h | --help) usage; exit 0 ;;
-    --speed) speed=${2:?demo: --speed needs a number}; shift ;;
-    --out) out=$(realpath -m "${2:?demo: --out needs a folder}"); shift ;;
+    --speed)
+      (($# > 1)) || refuse "--speed needs a number"
+      speed=$2
+      shift
+      ;;
+    --out)
+      [[ -n ${2-} ]] || refuse "--out needs a folder"
+      out=$(realpath -m "$2")
+      shift
+      ;;
     --inside) inside=1 ;; # In the network namespace that this script made.
     -*) refuse "unknown flag '$1' (see --help)" ;;
     *) wanted+=("$1") ;;
@@ -114,7 +122,7 @@ url="udpm://239.255.76.67:$port?ttl=0"
 
 # ---- one demo at a time in one folder --------------------------------------
 
-mkdir -p "$out" || refuse "$out: cannot be made"
+mkdir -p "$out" 2>/dev/null || refuse "$out: cannot be made"
 exec 9>"$out/.lock"
 flock -n 9 || refuse "another demo is writing to $out; use --out FOLDER"
 

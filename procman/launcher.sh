@@ -24,7 +24,7 @@ list=$1
 folder=$2
 stop_ms=$((${WAYMARK_STOP_S:-10} * 1000))
 [[ -r $list ]] || refuse "$list: cannot be read"
-mkdir -p "$folder" || refuse "$folder: cannot be made"
+mkdir -p "$folder" 2>/dev/null || refuse "$folder: cannot be made"
 
 names=()
 commands=()
