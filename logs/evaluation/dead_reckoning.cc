@@ -50,6 +50,7 @@ ParameterConvergence EvaluateConvergence(
   ParameterConvergence result;
   result.final = samples.back().parameters;
   result.sigma = samples.back().covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  result.observability = samples.back().observability;
   if (!reference) return result;
   result.has_reference = true;
   const Eigen::Vector3d truth = reference->vector();

@@ -31,12 +31,14 @@ struct ParameterSample {
   Time time;
   WheelParameters parameters;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d observability = Eigen::Vector3d::Zero();  // As published.
 };
 
 // How an estimate of the parameters came to rest.
 struct ParameterConvergence {
   WheelParameters final;
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  // Of the final ones.
+  Eigen::Vector3d observability = Eigen::Vector3d::Zero();  // Likewise.
   bool has_reference = false;
   Eigen::Vector3d relative_error = Eigen::Vector3d::Zero();  // final/ref - 1.
   // |final - reference| / sigma; 0 where sigma is 0.

@@ -85,6 +85,7 @@ json JsonOf(const ParameterEvaluation& parameters,
               {"num", parameters.samples.size()},
               {"final", ParametersJson(c.final.vector())},
               {"sigma", ParametersJson(c.sigma)},
+              {"observability", ParametersJson(c.observability)},
               {"reference", nullptr}};
   if (c.has_reference) {
     result["reference"] = reference;

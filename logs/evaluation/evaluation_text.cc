@@ -72,11 +72,12 @@ void AppendEstimates(const LogEvaluation& evaluation, std::string* text) {
 
 void AppendParameters(const LogEvaluation& evaluation, std::string* text) {
   if (evaluation.parameters.empty()) return;
-  *text += fmt::format("  {:<12}{:>23}{:>23}{:>23}\n",
+  *text += fmt::format("  {:<12}{:>23}{:>23}{:>23}{:>17}\n",
                        "parameters",
                        "k_right, um/tick",
                        "k_left, um/tick",
-                       "wheel base, mm");
+                       "wheel base, mm",
+                       "observable");
   for (const ParameterEvaluation& p : evaluation.parameters) {
     *text += fmt::format("  {:<12}", p.source);
     const Eigen::Vector3d value = p.convergence.final.vector();
@@ -89,7 +90,7 @@ void AppendParameters(const LogEvaluation& evaluation, std::string* text) {
               ? fmt::format("{:.4f} ± {:.4f}", value(k) * scale(k), sigma)
               : fmt::format("{:.4f}", value(k) * scale(k)));
     }
-    *text += '\n';
+    *text += fmt::format("{:>17}\n", ObservabilityText(p.convergence));
   }
 }
 
@@ -125,6 +126,13 @@ void AppendHealth(const LogRecording& recording, std::string* text) {
 }
 
 }  // namespace
+
+std::string ObservabilityText(const ParameterConvergence& convergence) {
+  const Eigen::Vector3d percent = 100.0 * convergence.observability;
+  if (percent.isZero(0.0)) return "-";
+  return fmt::format(
+      "{:.0f} {:.0f} {:.0f} %", percent(0), percent(1), percent(2));
+}
 
 std::string MetresText(double metres) {
   if (!std::isfinite(metres)) return "-";

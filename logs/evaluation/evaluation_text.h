@@ -23,6 +23,11 @@ namespace waymark {
 // How many POSITION_FIX of which source, with the first one's sigma.
 [[nodiscard]] std::string FixesText(const LogRecording& recording);
 
+// "100 100 87 %": how much of the prior variance of k_right, k_left and wheel
+// base measurements took away; "-" where that is not known.
+[[nodiscard]] std::string ObservabilityText(
+    const ParameterConvergence& convergence);
+
 // 12.3 mm or 1.234 m: three to four digits, the unit that reads best.
 [[nodiscard]] std::string MetresText(double metres);
 

@@ -252,8 +252,10 @@ class Collector {
     counter_.set_max_tick_rate(
         kMaxWheelSpeed /
         std::min(values->parameters.k_right, values->parameters.k_left));
-    recording_.parameters[values->source].push_back(
-        {values->time, values->parameters, values->covariance});
+    recording_.parameters[values->source].push_back({values->time,
+                                                     values->parameters,
+                                                     values->covariance,
+                                                     values->observability});
     if (values->sensor) recording_.sensor = values->sensor;
     return true;
   }

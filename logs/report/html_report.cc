@@ -187,6 +187,7 @@ std::string ParametersTable(const LogEvaluation& evaluation) {
                                        {"right wheel, µm per tick", ""},
                                        {"left wheel, µm per tick", ""},
                                        {"wheel base, mm", ""},
+                                       {"observable", ""},
                                        {"estimates", ""}}};
   for (const auto& parameters : evaluation.parameters) {
     const ParameterConvergence& c = parameters.convergence;
@@ -199,10 +200,14 @@ std::string ParametersTable(const LogEvaluation& evaluation) {
       }
       row.push_back({text, ""});
     }
+    row.push_back({ObservabilityText(c), ""});
     row.push_back({std::to_string(parameters.samples.size()), ""});
     rows.push_back(std::move(row));
   }
-  return "<h3>Wheel parameters</h3>\n" + Table(rows);
+  return "<h3>Wheel parameters</h3>\n" + Table(rows) +
+         "<p class=\"small\">± one sigma. Observable: how much of the variance "
+         "before any measurement the measurements took away, of right wheel, "
+         "left wheel and wheel base.</p>\n";
 }
 
 std::string ChannelsTable(const LogRecording& recording) {

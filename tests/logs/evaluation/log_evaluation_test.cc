@@ -226,6 +226,9 @@ TEST_F(LogEvaluationTest, TableAndJsonSayTheSame) {
   const double rmse = json["estimates"][2]["ate"]["position"]["rmse_m"];
   EXPECT_EQ(rmse, e.Find("online")->absolute->position_summary.rmse);
   EXPECT_THAT(table, HasSubstr(MetresText(rmse)));
+  EXPECT_THAT(table, HasSubstr(" 98 88 78 %\n"));
+  EXPECT_EQ(json["parameters"][0]["observability"]["wheel_base"],
+            e.parameters[0].convergence.observability(2));
   // Complete: no number that JSON cannot hold.
   EXPECT_THAT(json.dump(), testing::Not(HasSubstr("nan")));
 }

@@ -183,6 +183,8 @@ class Generator {
     for (int k = 0; k < 3; ++k) {
       const double sigma = relative_sigma * values.vector()(k);
       m.covariance[4 * k] = sigma * sigma;
+      // Apart for each, so that exchanged ones show.
+      if (source == "batch") m.observability[k] = 0.98 - 0.1 * k;
     }
     Put(kOdometryParameters, m, 0);
   }
