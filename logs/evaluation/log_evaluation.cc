@@ -200,6 +200,20 @@ void AddNotes(LogEvaluation* evaluation) {
                     std::to_string(recording.read_report.num_gaps) +
                     " places.");
   }
+  std::string lost;
+  for (const auto& [channel, health] : recording.channels) {
+    if (health.num_lost == 0) continue;
+    const std::int64_t num_sent =
+        health.num_lost + health.num_messages - health.num_bad;
+    lost += (lost.empty() ? "" : ", ") + std::to_string(health.num_lost) +
+            " of " + std::to_string(num_sent) + " on " + channel;
+  }
+  if (!lost.empty()) {
+    notes.push_back(
+        "Messages that were numbered are not in the log: " + lost +
+        ". A recorder that fell behind (a busy machine, a high --speed) leaves "
+        "out what the processes themselves may have got.");
+  }
   for (const EstimateEvaluation& estimate : evaluation->estimates) {
     if (!estimate.missing.empty()) {
       notes.push_back(estimate.label + ": " + estimate.missing + ".");

@@ -178,6 +178,10 @@ TEST_F(LogEvaluationTest, CountsLostAndUnusableMessages) {
   EXPECT_EQ(r.channels.at("ENCODERS").num_lost, 4);
   EXPECT_NEAR(r.channels.at("ENCODERS").longest_gap_s, 0.15, 1e-9);
   EXPECT_EQ(r.readings.size(), 1197u);
+  EXPECT_THAT(EvaluateRecording(r, {}).notes,
+              testing::Contains(HasSubstr("4 of 1201 on ENCODERS.")));
+  EXPECT_THAT(Evaluate({}).notes,
+              testing::Not(testing::Contains(HasSubstr("are not in the log"))));
 }
 
 TEST_F(LogEvaluationTest, JoinsOutputsWithInputsFromAnotherLog) {
