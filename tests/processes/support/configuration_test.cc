@@ -244,7 +244,8 @@ TEST(Configuration, OwnCheckIsOneLine) {
     LoadConfiguration("", {"count=7"}, &config);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "configuration with --set: count = 7: is unlucky");
+    EXPECT_STREQ(error.what(),
+                 "configuration with --set: count = 7: is unlucky");
   }
 }
 
