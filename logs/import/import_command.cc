@@ -216,7 +216,12 @@ void AddImportCommand(CLI::App* app, int* /*exit_code*/) {
       10.0)
       ->capture_default_str();
   command->add_flag("-f,--force", options->force, "Replace outputs that exist");
-  command->callback([options] {
+  command->callback([options, command] {
+    for (const char* flag : {"--every", "--noise-m", "--noise-rad", "--seed"}) {
+      if (options->use == "calibration" && command->count(flag) > 0) {
+        throw InputError(std::string(flag) + ": goes with --use running only");
+      }
+    }
     options->split.use = options->use == "calibration"
                              ? ReferenceUse::kCalibration
                              : ReferenceUse::kRunning;

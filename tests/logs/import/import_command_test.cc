@@ -190,6 +190,10 @@ TEST(ImportCommandTest, BadFlagsAndInputsAreOneLine) {
   EXPECT_THAT(Import({run, out, "--noise-m", "nan"}),
               HasSubstr("--noise-m: 'nan'"));
   EXPECT_THAT(Import({run, out, "--use", "both"}), HasSubstr("--use"));
+  for (const char* flag : {"--every", "--noise-m", "--noise-rad", "--seed"}) {
+    EXPECT_EQ(Import({run, out, "--use", "calibration", flag, "2"}),
+              std::string(flag) + ": goes with --use running only");
+  }
   EXPECT_THAT(Import({run, out, "--format", "mp3"}), HasSubstr("--format"));
   EXPECT_THAT(Import({run, out, "--mounting", "1"}), HasSubstr("--mounting"));
   WriteText(folder / "run_motors.txt", "M 1 1 0 0 0 1 0 0 0 0 0 0 0\n");
