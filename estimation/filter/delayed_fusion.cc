@@ -7,7 +7,15 @@
 namespace waymark {
 namespace {
 
-enum Rank { kParameters = 0, kInitialPose = 1, kFix = 2, kReading = 3 };
+// Starts of motions come last, when motions that end then are fused.
+enum Rank {
+  kParameters,
+  kInitialPose,
+  kFix,
+  kMotion,
+  kMotionStart,
+  kReading,
+};
 
 // Recomputing some 25 readings costs about as much as copying the state.
 constexpr int kReadingsPerCheckpoint = 25;
@@ -41,11 +49,15 @@ bool DelayedFusion::Feed(const Key& key,
   return false;
 }
 
+void DelayedFusion::KeepLate(Key key, Event event) {
+  late_.emplace_back(std::move(key), std::move(event));
+  if (late_.size() > kMaxLate) late_.pop_front();
+}
+
 Arrival DelayedFusion::Insert(Key key, Event event) {
   if (IsBehindWindow(key.time)) {
     ++counts_.num_late;
-    late_.emplace_back(std::move(key), std::move(event));
-    if (late_.size() > kMaxLate) late_.pop_front();
+    KeepLate(std::move(key), std::move(event));
     return Arrival::kLate;
   }
   const auto [place, is_new] = history_.try_emplace(key, std::move(event));
@@ -205,6 +217,25 @@ Arrival DelayedFusion::AddReading(const EncoderReading& raw, int counter_bits) {
 Arrival DelayedFusion::AddFix(const AbsoluteFix& fix) {
   const Arrival arrival = Insert({fix.time, kFix, fix.source, fix.seq},
                                  Event(OdometryFilter::Measurement(fix)));
+  CatchUp();
+  return arrival;
+}
+
+Arrival DelayedFusion::AddMotion(const RelativeMotion& motion) {
+  const Key start{motion.from, kMotionStart, motion.source, motion.seq};
+  const Key end{motion.time, kMotion, motion.source, motion.seq};
+  Event start_event(OdometryFilter::Measurement(MotionStart{motion.time}));
+  Event end_event{OdometryFilter::Measurement(motion)};
+  if (IsBehindWindow(motion.from)) {
+    // Kept with its start, for the case that everything starts anew.
+    const Arrival arrival = Insert(start, std::move(start_event));
+    KeepLate(end, std::move(end_event));
+    return arrival;
+  }
+  Arrival arrival = Insert(start, std::move(start_event));
+  if (arrival != Arrival::kTaken) return arrival;
+  arrival = Insert(end, std::move(end_event));
+  if (arrival != Arrival::kTaken) history_.erase(start);
   CatchUp();
   return arrival;
 }

@@ -22,7 +22,8 @@ namespace waymark {
 struct DelayedFusionOptions {
   OdometryFilterOptions filter;
   // A message that arrives while the newest reading is at most this much newer
-  // than it still counts. Estimates older than that are settled.
+  // than it still counts; for a relative motion its start must be. Estimates
+  // older than that are settled.
   double window_s = 2.0;
   // A reading this far ahead of all others waits until a second one confirms
   // that time went on: one wrong stamp must not close the window.
@@ -62,12 +63,16 @@ struct Settled {
 };
 
 // Keeps a history of the window, ordered by (time, rank, source, sequence);
-// ranks: parameters, initial poses, fixes, readings. Two filters run over it:
-// one to the newest reading, that goes back to a checkpoint where a message
-// arrives out of order, and one behind the window, that never goes back. What
-// the latter says depends on the set of messages only, not on their arrival,
-// as long as each arrives within the window: the same bits as
-// OdometryFilter fed in order.
+// ranks: parameters, initial poses, fixes, relative motions, starts of relative
+// motions, readings. Two filters run over it: one to the newest reading, that
+// goes back to a checkpoint where a message arrives out of order, and one
+// behind the window, that never goes back. What the latter says depends on the
+// set of messages only, not on their arrival, as long as each arrives within
+// the window: the same bits as OdometryFilter fed in order.
+//
+// A relative motion is two events: its start, where the filter keeps the pose,
+// and its end, where it is fused. So it sends the filter back to its start, and
+// its interval and delay together must fit into the window.
 //
 // Fixes and the like take effect with the first reading at or after their
 // time, so without readings nothing settles. Parameters with source "batch"
@@ -81,6 +86,7 @@ class DelayedFusion {
 
   Arrival AddReading(const EncoderReading& raw, int counter_bits);
   Arrival AddFix(const AbsoluteFix& fix);
+  Arrival AddMotion(const RelativeMotion& motion);
   Arrival AddInitialPose(const InitialPose& pose);
   Arrival AddParameters(const OdometryParameters& parameters);
 
@@ -113,6 +119,7 @@ class DelayedFusion {
   };
 
   Arrival Insert(Key key, Event event);
+  void KeepLate(Key key, Event event);
   Arrival InsertReading(const EncoderReading& raw, int counter_bits);
   static bool Feed(const Key& key, const Event& event, OdometryFilter* filter);
   bool DropOneWaiting(const Key& key);

@@ -14,6 +14,10 @@ constexpr const char* kNoParameters =
 // From here on disagreement is blamed on the first fix: with fewer, one or two
 // faulty ones among the others would do as well.
 constexpr int kManyFixes = 8;
+// Doubt doubles the standard deviations of the wheel parameters, up to a fifth
+// of their values: beyond, a linear model of them says little.
+constexpr double kDoubt = 2.0;
+constexpr double kMostDoubt = 0.2;
 // Where a relocalising fix does not measure a direction, m.
 constexpr double kRelocaliseSigma = 10.0;
 
@@ -71,15 +75,7 @@ void OdometryFilter::AddReading(const EncoderReading& raw, int counter_bits) {
   last_seconds_ = step.seconds;
   const std::vector<Held> held = std::exchange(held_, {});
   if (step.is_first) {
-    for (const Held& item : held) {
-      if (std::holds_alternative<AbsoluteFix>(item.measurement) &&
-          item.time < raw.time) {
-        ++counts_.num_unused;
-        continue;
-      }
-      std::visit([&](const auto& m) { Apply(item.time, m); }, item.measurement);
-    }
-    Start();
+    ApplyAtFirstReading(held);
     return;
   }
   if (step.unknown_s > 0.0) MoveUnmeasured(step.unknown_s);
@@ -98,6 +94,7 @@ void OdometryFilter::AddReading(const EncoderReading& raw, int counter_bits) {
     std::visit([&](const auto& m) { Apply(item.time, m); }, item.measurement);
   }
   move_to(1.0);
+  if (ekf_ && ekf_->num_clones() > 0) ekf_->DropClones(raw.time);
   if (step.seconds > options_.max_gap_s && drive_) {
     const double travel =
         0.5 * (std::abs(drive_->parameters.k_right * step.ticks.right) +
@@ -109,6 +106,29 @@ void OdometryFilter::AddReading(const EncoderReading& raw, int counter_bits) {
     odometry_covariance_ += noise;
   }
   Start();
+}
+
+void OdometryFilter::ApplyAtFirstReading(const std::vector<Held>& held) {
+  const auto apply = [&](const Held& item) {
+    std::visit([&](const auto& m) { Apply(item.time, m); }, item.measurement);
+  };
+  const auto starts_motion = [](const Held& item) {
+    return std::holds_alternative<MotionStart>(item.measurement);
+  };
+  for (const Held& item : held) {
+    if (starts_motion(item)) continue;
+    if (std::holds_alternative<AbsoluteFix>(item.measurement) &&
+        item.time < time_) {
+      ++counts_.num_unused;
+    } else {
+      apply(item);
+    }
+  }
+  Start();
+  // These need the pose that Start may give.
+  for (const Held& item : held) {
+    if (starts_motion(item) && item.time == time_) apply(item);
+  }
 }
 
 // The configured start holds from the first reading with known parameters on.
@@ -218,7 +238,7 @@ void OdometryFilter::Apply(Time /*time*/, const AbsoluteFix& fix) {
     return;
   }
   const double regular =
-      RegularProbability(fix, ekf_->Innovate(fix), options_.gate);
+      RegularProbability(fix.has, ekf_->Innovate(fix), options_.gate);
   if (regular > options_.gate.min_regular) {
     ekf_->Update(fix);
     ++counts_.num_accepted;
@@ -229,6 +249,48 @@ void OdometryFilter::Apply(Time /*time*/, const AbsoluteFix& fix) {
   }
   ++counts_.num_rejected;
   Relocalise(fix);
+}
+
+void OdometryFilter::Apply(Time time, const MotionStart& start) {
+  if (!ekf_) return;
+  // Motions that end now came before.
+  ekf_->DropClones(time + Duration(1));
+  if (!ekf_->HasClone(time) && ekf_->num_clones() >= options_.max_clones) {
+    ++counts_.num_crowded;
+    return;
+  }
+  ekf_->AddClone(time, start.until);
+}
+
+// Rejection does not make the next motion any likelier to be accepted, since
+// the wheels' uncertainty over a motion stays what it was. So that wrong
+// parameters cannot lock the filter, a row of rejections makes it doubt them.
+void OdometryFilter::Apply(Time /*time*/, const RelativeMotion& motion) {
+  if (!ekf_ || !ekf_->fault().empty() || !ekf_->HasClone(motion.from)) {
+    ++counts_.num_unused;
+    return;
+  }
+  if (options_.ekf.mounting_position_sigma > 0.0 ||
+      options_.ekf.mounting_yaw_sigma > 0.0) {
+    if (!ekf_->HasMounting(motion.source) &&
+        ekf_->num_mountings() >= options_.max_mountings) {
+      ++counts_.num_crowded;
+      return;
+    }
+    ekf_->AddMounting(motion.source);
+  }
+  const double regular = RegularProbability(
+      {true, true, true}, ekf_->Innovate(motion), options_.gate);
+  if (regular > options_.gate.min_regular) {
+    ekf_->Update(motion);
+    ++counts_.num_accepted;
+    rejected_motions_ = 0;
+    return;
+  }
+  ++counts_.num_rejected;
+  if (++rejected_motions_ % options_.doubt_after != 0) return;
+  ekf_->WidenParameters(kDoubt, kMostDoubt);
+  ++counts_.num_doubts;
 }
 
 PoseAligner OdometryFilter::MakeAligner(const Pose2& guess,

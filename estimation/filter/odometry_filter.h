@@ -53,12 +53,27 @@ struct OdometryFilterOptions {
   // A filter that has rejected this many fixes that agree with one another,
   // and accepted no position meanwhile, starts anew from them.
   int relocalise_after = 5;
+  // A filter that has rejected this many relative motions in a row doubts its
+  // wheel parameters: their standard deviations double.
+  int doubt_after = 5;
+  // Starts of relative motions that are kept at once, and sensors that measure
+  // them; each costs as much as half the filter.
+  int max_clones = 8;
+  int max_mountings = 4;
+};
+
+// The pose at this time is the start of a relative motion that ends at `until`.
+struct MotionStart {
+  Time until;
 };
 
 struct OdometryFilterCounts {
-  std::int64_t num_accepted = 0;          // Fixes fused.
-  std::int64_t num_rejected = 0;          // By the gate.
-  std::int64_t num_unused = 0;            // Fixes before the first reading.
+  std::int64_t num_accepted = 0;  // Fixes and motions fused.
+  std::int64_t num_rejected = 0;  // By the gate.
+  // Before the first reading, or motions over a time without a known pose.
+  std::int64_t num_unused = 0;
+  std::int64_t num_crowded = 0;  // Motions above max_clones, max_mountings.
+  std::int64_t num_doubts = 0;   // Of the wheel parameters.
   std::int64_t num_refused_readings = 0;  // Encoder jumps.
   std::int64_t num_lost_counts = 0;       // New base lines after jumps.
   std::int64_t num_relocalisations = 0;
@@ -69,14 +84,18 @@ struct OdometryFilterCounts {
 class OdometryFilter {
  public:
   // What takes effect between readings.
-  using Measurement =
-      std::variant<OdometryParameters, InitialPose, AbsoluteFix>;
+  using Measurement = std::variant<OdometryParameters,
+                                   InitialPose,
+                                   AbsoluteFix,
+                                   RelativeMotion,
+                                   MotionStart>;
 
   explicit OdometryFilter(const OdometryFilterOptions& options);
 
   // Held until the next accepted reading at or after its `time`, whose motion
   // is divided there (constant speeds between readings). Times must not
-  // decrease from call to call, nor lie before the last reading's.
+  // decrease from call to call, nor lie before the last reading's. A relative
+  // motion is of use only where its MotionStart was added at its `from`.
   void Add(Time time, Measurement measurement);
   // Raw counts; times increase.
   void AddReading(const EncoderReading& raw, int counter_bits);
@@ -103,6 +122,9 @@ class OdometryFilter {
   void Apply(Time time, const OdometryParameters& parameters);
   void Apply(Time time, const InitialPose& pose);
   void Apply(Time time, const AbsoluteFix& fix);
+  void Apply(Time time, const RelativeMotion& motion);
+  void Apply(Time time, const MotionStart& start);
+  void ApplyAtFirstReading(const std::vector<Held>& held);
   void Locate(const AbsoluteFix& fix);
   void Relocalise(const AbsoluteFix& fix);
   void LosePose(std::string reason);
@@ -128,6 +150,7 @@ class OdometryFilter {
   Eigen::Matrix3d odometry_covariance_ = Eigen::Matrix3d::Zero();
   WheelTicks last_ticks_;
   double last_seconds_ = 0.0;
+  int rejected_motions_ = 0;  // In a row.
   OdometryFilterCounts counts_;
 };
 

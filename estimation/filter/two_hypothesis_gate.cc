@@ -24,7 +24,7 @@ double LogDensity(const FixVector& residual, const FixMatrix& S) {
 
 }  // namespace
 
-double RegularProbability(const AbsoluteFix& fix,
+double RegularProbability(const std::array<bool, 3>& has,
                           const Innovation& innovation,
                           const GateOptions& options) {
   const FixMatrix S = innovation.HPH + innovation.R;
@@ -32,7 +32,7 @@ double RegularProbability(const AbsoluteFix& fix,
   FixMatrix S_faulty = S;
   int row = 0;
   for (int i = 0; i < 3; ++i) {
-    if (!fix.has[static_cast<std::size_t>(i)]) continue;
+    if (!has[static_cast<std::size_t>(i)]) continue;
     const double sigma =
         i == 2 ? options.faulty_heading_sigma : options.faulty_position_sigma;
     S_faulty(row, row) += sigma * sigma;

@@ -3,6 +3,8 @@
 
 #include "estimation/filter/odometry_ekf.h"
 
+#include <array>
+
 namespace waymark {
 
 struct GateOptions {
@@ -18,12 +20,13 @@ struct GateOptions {
 
 // P(regular | innovation) by [1, section III.D]: both hypotheses expect the
 // innovation to be normal about 0, the regular one with covariance HPH + R,
-// the faulty one with HPH + R + diag(faulty sigma^2). 0 where the covariance
+// the faulty one with HPH + R + diag(faulty sigma^2). `has` says which of
+// (x, y, heading) the innovation is of. 0 where the covariance
 // is not positive definite or the innovation is not finite.
 //
 // [1] E. Bayramoglu et al. Mobile robot navigation in a corridor using visual
 //     odometry. ICAR 2009.
-[[nodiscard]] double RegularProbability(const AbsoluteFix& fix,
+[[nodiscard]] double RegularProbability(const std::array<bool, 3>& has,
                                         const Innovation& innovation,
                                         const GateOptions& options);
 

@@ -39,6 +39,8 @@ void PoseFilterConfig::Describe(Describer& d) {
   d.Group(
       "gate", [&] { DescribeGate(d); }, "Faulty measurements");
   d.Group(
+      "motion", [&] { DescribeMotion(d); }, "Relative motions");
+  d.Group(
       "alignment",
       [&] { DescribeAlignment(d); },
       "First pose from measurements alone");
@@ -177,6 +179,33 @@ void PoseFilterConfig::DescribeGate(Describer& d) {
             "wheels make the filter start anew from them");
 }
 
+void PoseFilterConfig::DescribeMotion(Describer& d) {
+  d.Number("mounting_position_sigma",
+           &mounting_position_sigma,
+           kNotNegative,
+           "Error of the stated place of the sensor on the robot, m");
+  d.Degrees("mounting_yaw_sigma_deg",
+            &mounting_yaw_sigma,
+            {0.0, 45.0},
+            "Error of its stated yaw");
+  d.Integer("max_at_once",
+            &max_motions,
+            1,
+            100,
+            "Motions whose start is kept at once");
+  d.Integer("max_sensors",
+            &max_sensors,
+            1,
+            100,
+            "Sensors of which the mounting is estimated");
+  d.Integer("doubt_after",
+            &doubt_after,
+            2,
+            1000,
+            "So many rejected motions in a row double the standard deviations "
+            "of the wheel parameters");
+}
+
 void PoseFilterConfig::Check() const {
   const auto refuse = [](const char* why) { throw std::invalid_argument(why); };
   if (!nominal.empty() &&
@@ -212,6 +241,11 @@ DelayedFusionOptions PoseFilterConfig::Options() const {
   filter.ekf.walk = {VectorFrom(walk_per_sqrt_metre),
                      VectorFrom(walk_per_sqrt_second)};
   filter.gate = gate;
+  filter.ekf.mounting_position_sigma = mounting_position_sigma;
+  filter.ekf.mounting_yaw_sigma = mounting_yaw_sigma;
+  filter.max_clones = static_cast<int>(max_motions);
+  filter.max_mountings = static_cast<int>(max_sensors);
+  filter.doubt_after = static_cast<int>(doubt_after);
   filter.counter.jitter_s = jitter_s;
   filter.alignment = alignment;
   if (!nominal.empty()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "estimation/filter/delayed_fusion.h"
+#include "estimation/geometry/angle.h"
 #include "processes/support/describer.h"
 
 #include <cstdint>
@@ -34,6 +35,11 @@ struct PoseFilterConfig {
   ParameterForm form = ParameterForm::kTurn;
   DriveIntegration integration = DriveIntegration::kArc;
   GateOptions gate;
+  double mounting_position_sigma = 0.01;
+  double mounting_yaw_sigma = RadiansFromDegrees(2.0);
+  std::int64_t max_motions = 8;
+  std::int64_t max_sensors = 4;
+  std::int64_t doubt_after = 5;
   std::int64_t relocalise_after = 5;
   PoseAlignerOptions alignment;
 
@@ -49,6 +55,7 @@ struct PoseFilterConfig {
   void DescribeAlignment(Describer& d);
   void DescribeNoise(Describer& d);
   void DescribeGate(Describer& d);
+  void DescribeMotion(Describer& d);
 };
 
 }  // namespace waymark

@@ -39,7 +39,7 @@ PoseFilterProcess::PoseFilterProcess(const Config& config, Bus* bus)
       {.on_reading = [this](const EncoderReading& raw,
                             int bits) { OnReading(raw, bits); },
        .on_fix = [this](const AbsoluteFix& fix) { OnFix(fix); },
-       .on_motion = {},
+       .on_motion = [this](const RelativeMotion& m) { OnMotion(m); },
        .on_initial_pose =
            [this](const InitialPose& pose) {
              Report(kInitialPose, fusion_.AddInitialPose(pose), pose.time);
@@ -63,6 +63,14 @@ void PoseFilterProcess::OnFix(const AbsoluteFix& fix) {
   } else if (fix.time - *newest > window) {
     PublishUnknown(fix.time, "no encoder readings for longer than the window");
   }
+}
+
+void PoseFilterProcess::OnMotion(const RelativeMotion& motion) {
+  const Arrival arrival = fusion_.AddMotion(motion);
+  // What makes it late is its start.
+  Report(kRelativeMotion,
+         arrival,
+         arrival == Arrival::kLate ? motion.from : motion.time);
 }
 
 void PoseFilterProcess::OnParameters(const OdometryParameters& parameters) {
@@ -128,6 +136,13 @@ void PoseFilterProcess::PublishSettled() {
                           : settled.pose.reason);
     }
     num_refused_ = settled.counts.num_refused_readings;
+    if (settled.counts.num_crowded > num_crowded_) {
+      bus_->ReportBad(kRelativeMotion,
+                      Bad::kContent,
+                      "more motions at once than motion.max_at_once, or more "
+                      "sensors than motion.max_sensors");
+    }
+    num_crowded_ = settled.counts.num_crowded;
     PublishParameters(settled);
   }
 }

@@ -1,4 +1,4 @@
-// Where is the robot, from wheel ticks and absolute measurements.
+// Where is the robot, from wheel ticks and measurements.
 #pragma once
 
 #include "estimation/filter/delayed_fusion.h"
@@ -12,10 +12,10 @@
 
 namespace waymark {
 
-// ENCODERS, POSITION_FIX, INITIAL_POSE, ODOMETRY_PARAMETERS (nominal, batch)
-// -> POSE, POSE_BOT and ODOMETRY with each reading, POSE_SETTLED and, once per
-// period, ODOMETRY_PARAMETERS (online) behind the window. The latter two depend
-// on what was sent only, not on when it arrived.
+// ENCODERS, POSITION_FIX, RELATIVE_MOTION, INITIAL_POSE, ODOMETRY_PARAMETERS
+// (nominal, batch) -> POSE, POSE_BOT and ODOMETRY with each reading,
+// POSE_SETTLED and, once per period, ODOMETRY_PARAMETERS (online) behind the
+// window. The latter two depend on what was sent only, not on when it arrived.
 class PoseFilterProcess {
  public:
   using Config = PoseFilterConfig;
@@ -29,6 +29,7 @@ class PoseFilterProcess {
  private:
   void OnReading(const EncoderReading& raw, int counter_bits);
   void OnFix(const AbsoluteFix& fix);
+  void OnMotion(const RelativeMotion& motion);
   void OnParameters(const OdometryParameters& parameters);
   void Report(std::string_view channel, Arrival arrival, Time time);
   void PublishNewest();
@@ -45,6 +46,7 @@ class PoseFilterProcess {
   std::int64_t settled_seq_ = 0;
   std::int64_t parameters_seq_ = 0;
   std::int64_t num_refused_ = 0;
+  std::int64_t num_crowded_ = 0;
   std::optional<Time> parameters_time_;  // Published last.
   bool has_parameters_ = false;          // What was published last.
   std::optional<Time> save_time_;

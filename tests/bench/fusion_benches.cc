@@ -97,7 +97,7 @@ std::vector<BenchRow> BenchGate(bool full) {
   int regular = 0;
   int faulty = 0;
   const auto accepted = [&] {
-    return RegularProbability(fix, v, options) > options.min_regular;
+    return RegularProbability(fix.has, v, options) > options.min_regular;
   };
   for (int i = 0; i < draws; ++i) {
     // Half of the innovation's variance is the filter's own.

@@ -8,17 +8,24 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <variant>
 #include <vector>
 
 namespace waymark {
 namespace {
 
-using Message =
-    std::variant<EncoderReading, AbsoluteFix, InitialPose, OdometryParameters>;
+using Message = std::variant<EncoderReading,
+                             AbsoluteFix,
+                             InitialPose,
+                             OdometryParameters,
+                             RelativeMotion>;
 
+// From when on it matters.
 Time TimeOf(const Message& message) {
-  return std::visit([](const auto& m) { return m.time; }, message);
+  const auto* motion = std::get_if<RelativeMotion>(&message);
+  return motion ? motion->from
+                : std::visit([](const auto& m) { return m.time; }, message);
 }
 
 DelayedFusionOptions Options() {
@@ -37,11 +44,42 @@ Arrival Deliver(const Message& message, DelayedFusion* fusion) {
   if (const auto* pose = std::get_if<InitialPose>(&message)) {
     return fusion->AddInitialPose(*pose);
   }
+  if (const auto* motion = std::get_if<RelativeMotion>(&message)) {
+    return fusion->AddMotion(*motion);
+  }
   return fusion->AddParameters(std::get<OdometryParameters>(message));
 }
 
+// Two sources of relative motion: a chain from reading to reading, and longer
+// ones that overlap, between readings, some faulty.
+void AddMotions(const OdometryScene& scene, std::vector<Message>* messages) {
+  const auto add = [&](const char* source, std::size_t from, std::size_t to) {
+    RelativeMotion motion;
+    motion.source = source;
+    motion.seq = static_cast<std::int64_t>(from);
+    motion.from = scene.readings[from].time;
+    motion.time = scene.readings[to].time;
+    motion.X_RS = {0.1, 0.05, 0.8};
+    motion.X_S0S1 =
+        Between(scene.truth[from] * motion.X_RS, scene.truth[to] * motion.X_RS);
+    motion.covariance = 4e-4 * Eigen::Matrix3d::Identity();
+    return motion;
+  };
+  for (std::size_t i = 0; i + 8 < scene.readings.size(); i += 8) {
+    messages->emplace_back(add("chain", i, i + 8));
+  }
+  for (std::size_t i = 0; i + 16 < scene.readings.size(); i += 11) {
+    RelativeMotion motion = add("overlapping", i, i + 15);
+    // At these speeds as good as the motion from reading to reading.
+    motion.from += Duration(20'000);
+    motion.time += Duration(20'000);
+    if (i % 33 == 0) motion.X_S0S1.y += 1.5;
+    messages->emplace_back(motion);
+  }
+}
+
 // Readings, two sources of fixes, some at the very times of readings, faulty
-// fixes, an encoder jump, parameters and a start.
+// fixes, relative motions, an encoder jump, parameters and a start.
 std::vector<Message> MakeMessages(std::uint64_t seed, bool with_start) {
   OdometrySceneOptions options;
   options.drive.rate_hz = 20;
@@ -63,6 +101,7 @@ std::vector<Message> MakeMessages(std::uint64_t seed, bool with_start) {
     fix.has = {false, true, true};
     messages.emplace_back(fix);
   }
+  AddMotions(scene, &messages);
   OdometryParameters nominal;
   nominal.time = scene.readings[0].time;
   nominal.source = "nominal";
@@ -83,7 +122,8 @@ std::vector<Message> MakeMessages(std::uint64_t seed, bool with_start) {
 int RankOf(const Message& message) {
   if (std::holds_alternative<OdometryParameters>(message)) return 0;
   if (std::holds_alternative<InitialPose>(message)) return 1;
-  return std::holds_alternative<AbsoluteFix>(message) ? 2 : 3;
+  if (std::holds_alternative<AbsoluteFix>(message)) return 2;
+  return std::holds_alternative<RelativeMotion>(message) ? 4 : 5;
 }
 
 void SortByTime(std::vector<Message>* messages) {
@@ -149,7 +189,26 @@ std::vector<std::string> InOrder(std::vector<Message> messages) {
   SortByTime(&messages);
   OdometryFilter filter(Options().filter);
   std::vector<std::string> texts;
+  // Ends of motions, in the order in which the history keeps them.
+  std::vector<RelativeMotion> ends;
   for (const Message& message : messages) {
+    if (const auto* motion = std::get_if<RelativeMotion>(&message)) {
+      ends.push_back(*motion);
+    }
+  }
+  std::sort(ends.begin(), ends.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.time, a.source, a.seq) <
+           std::tie(b.time, b.source, b.seq);
+  });
+  auto end = ends.begin();
+  for (const Message& message : messages) {
+    const auto is_next = [&](const RelativeMotion& motion) {
+      return motion.time != TimeOf(message) ? motion.time < TimeOf(message)
+                                            : RankOf(message) > 3;
+    };
+    for (; end != ends.end() && is_next(*end); ++end) {
+      filter.Add(end->time, *end);
+    }
     if (const auto* reading = std::get_if<EncoderReading>(&message)) {
       filter.AddReading(*reading, 0);
       std::string text = Text(filter.estimate());
@@ -168,6 +227,8 @@ std::vector<std::string> InOrder(std::vector<Message> messages) {
       filter.Add(fix->time, *fix);
     } else if (const auto* pose = std::get_if<InitialPose>(&message)) {
       filter.Add(pose->time, *pose);
+    } else if (const auto* motion = std::get_if<RelativeMotion>(&message)) {
+      filter.Add(motion->from, MotionStart{motion->time});
     } else {
       const auto& p = std::get<OdometryParameters>(message);
       filter.Add(p.time, p);
@@ -184,7 +245,7 @@ TEST(DelayedFusion, AnyArrivalOrderWithinTheWindowSettlesTheSame) {
     const std::vector<std::string> expected = InOrder(messages);
     ASSERT_EQ(expected.size(), 401u);
     std::int64_t num_recomputed = 0;
-    for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    for (std::uint64_t seed = 0; seed < 3; ++seed) {
       // Each message is delayed by up to the window, independently.
       Random random(seed);
       std::vector<std::pair<double, Message>> delayed;
@@ -253,9 +314,12 @@ TEST(DelayedFusion, DuplicatesAndLateMessagesAreCountedAndChangeNothing) {
       ++num_duplicates;
     }
     if (i % 50 == 49 && i > 200) {
-      // From four seconds ago.
-      const Message& old = messages[i - 130];
-      if (!std::holds_alternative<AbsoluteFix>(old)) continue;
+      // From some four seconds ago.
+      const Message& old = messages[i - 180];
+      if (!std::holds_alternative<AbsoluteFix>(old) &&
+          !std::holds_alternative<RelativeMotion>(old)) {
+        continue;
+      }
       EXPECT_EQ(Deliver(old, &fusion), Arrival::kLate);
       ++num_late;
     }
@@ -264,6 +328,32 @@ TEST(DelayedFusion, DuplicatesAndLateMessagesAreCountedAndChangeNothing) {
   EXPECT_EQ(SettledTexts(&fusion), expected);
   EXPECT_EQ(fusion.counts().num_duplicates, num_duplicates);
   EXPECT_EQ(fusion.counts().num_late, num_late);
+}
+
+EncoderReading Still(double seconds, std::int64_t seq) {
+  return {TimeFromMicroseconds(1'000'000'000) + DurationFromSeconds(seconds),
+          seq,
+          100,
+          100};
+}
+
+// A motion must fit into the window with its delay: what counts is its start.
+TEST(DelayedFusion, MotionThatStartsBehindTheWindowIsLate) {
+  DelayedFusion fusion(Options());
+  for (int i = 0; i < 100; ++i) (void)fusion.AddReading(Still(0.05 * i, i), 0);
+  RelativeMotion motion;
+  motion.source = "scan";
+  motion.time = Still(4.9, 0).time;
+  motion.from = Still(2.9, 0).time;  // The newest reading is of 4.95 s.
+  EXPECT_EQ(fusion.AddMotion(motion), Arrival::kLate);
+  motion.from = Still(3.0, 0).time;
+  EXPECT_EQ(fusion.AddMotion(motion), Arrival::kTaken);
+  EXPECT_EQ(fusion.AddMotion(motion), Arrival::kDuplicate);
+  // The same end under another start is the same motion.
+  motion.from = Still(3.1, 0).time;
+  EXPECT_EQ(fusion.AddMotion(motion), Arrival::kDuplicate);
+  EXPECT_EQ(fusion.counts().num_late, 1);
+  EXPECT_EQ(fusion.counts().num_duplicates, 2);
 }
 
 TEST(DelayedFusion, SettlesOnlyBehindTheWindow) {
@@ -280,13 +370,6 @@ TEST(DelayedFusion, SettlesOnlyBehindTheWindow) {
                 *fusion.newest_time() - DurationFromSeconds(2.2));
     }
   }
-}
-
-EncoderReading Still(double seconds, std::int64_t seq) {
-  return {TimeFromMicroseconds(1'000'000'000) + DurationFromSeconds(seconds),
-          seq,
-          100,
-          100};
 }
 
 TEST(DelayedFusion, OneStampFromTheFutureDoesNotCloseTheWindow) {

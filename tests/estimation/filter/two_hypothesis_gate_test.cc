@@ -32,7 +32,7 @@ Innovation InnovationOf(const AbsoluteFix& fix,
 
 double Probability(double y, double heading, double scale) {
   const AbsoluteFix fix = LateralFix();
-  return RegularProbability(fix, InnovationOf(fix, y, heading, scale), {});
+  return RegularProbability(fix.has, InnovationOf(fix, y, heading, scale), {});
 }
 
 TEST(RegularProbability, FallsWithTheInnovation) {
@@ -61,8 +61,9 @@ TEST(RegularProbability, IsBayesRule) {
   options.prior_regular = 0.9;
   const double regular = 0.9 * std::exp(-0.5 * 0.04 / 0.01) / 0.1;
   const double faulty = 0.1 * std::exp(-0.5 * 0.04 / 1.01) / std::sqrt(1.01);
-  EXPECT_NEAR(
-      RegularProbability(fix, v, options), regular / (regular + faulty), 1e-12);
+  EXPECT_NEAR(RegularProbability(fix.has, v, options),
+              regular / (regular + faulty),
+              1e-12);
 }
 
 // A filter that knows nothing must not lock itself out.

@@ -302,6 +302,61 @@ TEST(PoseFilterProcess, BatchParametersTakeEffectOneWindowLater) {
   }
 }
 
+// Wheels that are 4 % off, and no fix at all.
+TEST(PoseFilterProcess, RelativeMotionsTeachTheWheels) {
+  const OdometryScene scene = Scene(60);
+  PoseFilterConfig config = Config();
+  config.nominal = {1.04e-4, 1e-4, 0.26};
+  const Pose2 X_RS{0.1, 0.0, 0.5};
+  std::vector<relative_motion_t> motions;
+  for (std::size_t i = 8; i < scene.readings.size(); i += 8) {
+    RelativeMotion motion;
+    motion.source = "scan";
+    motion.seq = static_cast<std::int64_t>(motions.size());
+    motion.from = scene.readings[i - 8].time;
+    motion.time = scene.readings[i].time;
+    motion.X_RS = X_RS;
+    motion.X_S0S1 = Between(scene.truth[i - 8] * X_RS, scene.truth[i] * X_RS);
+    motion.covariance = Eigen::Vector3d(1e-6, 1e-6, 4e-6).asDiagonal();
+    motions.push_back(ToMessage(motion));
+  }
+  std::vector<std::vector<std::uint8_t>> first;
+  for (const double delay_s : {0.0, 1.5}) {
+    World world(config);
+    for (const EncoderReading& reading : scene.readings) {
+      world.bus.Publish(kEncoders, ToMessage(reading, 0, false));
+    }
+    for (const relative_motion_t& motion : motions) {
+      world.bus.PublishAt(
+          TimeFromMicroseconds(motion.utime) + DurationFromSeconds(delay_s),
+          kRelativeMotion,
+          motion);
+    }
+    // Too long for the window, and no motion at all.
+    relative_motion_t bad = motions[100];
+    bad.seq = 1000;
+    bad.utime_from = bad.utime - 2'100'000;
+    world.bus.Publish(kRelativeMotion, bad);
+    bad.utime_from = bad.utime;
+    world.bus.Publish(kRelativeMotion, bad);
+    world.Run();
+    EXPECT_EQ(BadOf(world.bus, kRelativeMotion), 2);
+    const auto settled = world.Messages<pose_t>(kPoseSettled);
+    EXPECT_EQ(settled.back().num_accepted, static_cast<int>(motions.size()));
+    EXPECT_LT(std::hypot(settled.back().pose_W[0] - scene.truth.back().x,
+                         settled.back().pose_W[1] - scene.truth.back().y),
+              0.3);
+    const auto learned =
+        world.Messages<odometry_parameters_t>(kOdometryParameters).back();
+    EXPECT_NEAR(learned.k_right, 1e-4, 4.0 * std::sqrt(learned.covariance[0]));
+    EXPECT_NEAR(
+        learned.wheel_base, 0.27, 4.0 * std::sqrt(learned.covariance[8]));
+    EXPECT_GT(learned.observability[0], 0.8);
+    if (first.empty()) first = Bytes<pose_t>(world, kPoseSettled);
+    EXPECT_EQ(Bytes<pose_t>(world, kPoseSettled), first);
+  }
+}
+
 // What batch_refiner says while it has no answer yet.
 TEST(PoseFilterProcess, BatchThatHasNoAnswerIsNotAdopted) {
   const OdometryScene scene = Scene();
