@@ -156,21 +156,22 @@ std::string Text(const PoseEstimate& e) {
   return text;
 }
 
+std::string Text(const OdometryParameters& p) {
+  if (!p.is_known) return "";
+  char number[128];
+  std::snprintf(number,
+                sizeof number,
+                " %a %a %a",
+                p.parameters.k_right,
+                p.parameters.wheel_base,
+                p.covariance(1, 1));
+  return number;
+}
+
 std::vector<std::string> SettledTexts(DelayedFusion* fusion) {
   std::vector<std::string> texts;
   for (const Settled& settled : fusion->TakeSettled()) {
-    std::string text = Text(settled.pose);
-    if (settled.parameters.is_known) {
-      char number[128];
-      std::snprintf(number,
-                    sizeof number,
-                    " %a %a %a",
-                    settled.parameters.parameters.k_right,
-                    settled.parameters.parameters.wheel_base,
-                    settled.parameters.covariance(1, 1));
-      text += number;
-    }
-    texts.push_back(text);
+    texts.push_back(Text(settled.pose) + Text(settled.parameters));
   }
   return texts;
 }
@@ -211,18 +212,7 @@ std::vector<std::string> InOrder(std::vector<Message> messages) {
     }
     if (const auto* reading = std::get_if<EncoderReading>(&message)) {
       filter.AddReading(*reading, 0);
-      std::string text = Text(filter.estimate());
-      if (const auto p = filter.parameters(); p.is_known) {
-        char number[128];
-        std::snprintf(number,
-                      sizeof number,
-                      " %a %a %a",
-                      p.parameters.k_right,
-                      p.parameters.wheel_base,
-                      p.covariance(1, 1));
-        text += number;
-      }
-      texts.push_back(text);
+      texts.push_back(Text(filter.estimate()) + Text(filter.parameters()));
     } else if (const auto* fix = std::get_if<AbsoluteFix>(&message)) {
       filter.Add(fix->time, *fix);
     } else if (const auto* pose = std::get_if<InitialPose>(&message)) {
