@@ -45,8 +45,9 @@ std::vector<ReplayProcess> MakeProcesses(const std::vector<ProcessClass>& known,
   std::vector<ReplayProcess> result;
   for (const std::string& text : request.processes) {
     auto [name, file] = SplitAt('=', text);
-    const auto found =
-        std::find_if(known.begin(), known.end(), [&](const ProcessClass& c) {
+    // Named in the capture: clang 14 takes no structured binding otherwise.
+    const auto found = std::find_if(
+        known.begin(), known.end(), [&name = name](const ProcessClass& c) {
           return c.name == name;
         });
     if (found == known.end()) {
@@ -58,8 +59,8 @@ std::vector<ReplayProcess> MakeProcesses(const std::vector<ProcessClass>& known,
   }
   for (const std::string& text : request.settings) {
     const auto [name, setting] = SplitAt('.', text);
-    const auto found =
-        std::find_if(result.begin(), result.end(), [&](const auto& process) {
+    const auto found = std::find_if(
+        result.begin(), result.end(), [&name = name](const auto& process) {
           return process.process_class.name == name;
         });
     if (found == result.end() || setting.empty()) {
