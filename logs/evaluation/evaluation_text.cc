@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -83,12 +84,9 @@ void AppendParameters(const LogEvaluation& evaluation, std::string* text) {
     const Eigen::Vector3d value = p.convergence.final.vector();
     const Eigen::Vector3d scale(1e6, 1e6, 1e3);
     for (int k = 0; k < 3; ++k) {
-      const double sigma = p.convergence.sigma(k) * scale(k);
-      *text += fmt::format(
-          "{:>23}",
-          sigma > 0.0
-              ? fmt::format("{:.4f} ± {:.4f}", value(k) * scale(k), sigma)
-              : fmt::format("{:.4f}", value(k) * scale(k)));
+      *text += fmt::format("{:>23}",
+                           WithSigmaText(value(k) * scale(k),
+                                         p.convergence.sigma(k) * scale(k)));
     }
     *text += fmt::format("{:>17}\n", ObservabilityText(p.convergence));
   }
@@ -132,6 +130,15 @@ std::string ObservabilityText(const ParameterConvergence& convergence) {
   if (percent.isZero(0.0)) return "-";
   return fmt::format(
       "{:.0f} {:.0f} {:.0f} %", percent(0), percent(1), percent(2));
+}
+
+std::string WithSigmaText(double value, double sigma) {
+  if (!(sigma > 0.0) || !std::isfinite(sigma)) {
+    return fmt::format("{:.4f}", value);
+  }
+  const int decimals =
+      std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
+  return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, sigma, decimals);
 }
 
 std::string MetresText(double metres) {

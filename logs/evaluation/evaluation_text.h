@@ -28,6 +28,10 @@ namespace waymark {
 [[nodiscard]] std::string ObservabilityText(
     const ParameterConvergence& convergence);
 
+// "361.0 ± 2.5", as many decimals as leave two digits of sigma, at most six;
+// four decimals and no sigma where that is 0.
+[[nodiscard]] std::string WithSigmaText(double value, double sigma);
+
 // 12.3 mm or 1.234 m: three to four digits, the unit that reads best.
 [[nodiscard]] std::string MetresText(double metres);
 

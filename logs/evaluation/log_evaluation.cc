@@ -195,10 +195,7 @@ void AddNotes(LogEvaluation* evaluation) {
   }
   if (recording.read_report.num_gaps > 0) {
     notes.push_back("The log is damaged: " +
-                    std::to_string(recording.read_report.num_skipped_bytes) +
-                    " bytes skipped in " +
-                    std::to_string(recording.read_report.num_gaps) +
-                    " places.");
+                    recording.read_report.SkippedText() + " skipped.");
   }
   std::string lost;
   for (const auto& [channel, health] : recording.channels) {

@@ -292,10 +292,8 @@ void AddLeftOut(const Content& content, Recording* recording) {
   }
   if (!text.empty()) recording->notes.push_back(text);
   if (!content.report.is_sound()) {
-    recording->notes.push_back(
-        std::to_string(content.report.num_skipped_bytes) +
-        " damaged bytes skipped in " + std::to_string(content.report.num_gaps) +
-        " places");
+    recording->notes.push_back("damaged: " + content.report.SkippedText() +
+                               " skipped");
   }
 }
 

@@ -58,9 +58,7 @@ void AddRepairCommand(CLI::App* app, int* /*exit_code*/) {
     copy.if_exists = WhatIfExists(*options);
     const LogCopyReport report = CopyLog(options->in, options->out, copy);
     PrintCopy(*options, report);
-    std::printf("%lld bytes in %lld places were lost\n",
-                static_cast<long long>(report.read.num_skipped_bytes),
-                static_cast<long long>(report.read.num_gaps));
+    std::printf("%s were lost\n", report.read.SkippedText().c_str());
   });
 }
 

@@ -24,12 +24,20 @@ class EventFilter {
   explicit EventFilter(const LogCopyOptions& options)
       : options_(options), channels_(ChannelRegex(options.channels)) {}
 
-  bool Keeps(const LogEvent& event) {
-    if (!log_start_) log_start_ = event.time;
-    if (options_.start && event.time < options_.start->In(*log_start_)) {
+  // Before the first event is asked for.
+  void Begin(Time log_start) {
+    log_start_ = log_start;
+    if (options_.start && options_.end &&
+        options_.end->In(log_start) <= options_.start->In(log_start)) {
+      throw InputError("--end: must be later than --start");
+    }
+  }
+
+  bool Keeps(const LogEvent& event) const {
+    if (options_.start && event.time < options_.start->In(log_start_)) {
       return false;
     }
-    if (options_.end && event.time >= options_.end->In(*log_start_)) {
+    if (options_.end && event.time >= options_.end->In(log_start_)) {
       return false;
     }
     return options_.channels.empty() ||
@@ -40,7 +48,7 @@ class EventFilter {
  private:
   const LogCopyOptions& options_;
   std::regex channels_;
-  std::optional<Time> log_start_;
+  Time log_start_;
 };
 
 }  // namespace
@@ -78,9 +86,11 @@ LogCopyReport CopyLog(const std::string& in,
   EventFilter filter(options);
   LogReader reader(in);
   CheckOutput(out, options.if_exists, {&in, 1});
+  std::optional<LogEvent> event = reader.Next();
+  if (event) filter.Begin(event->time);
   LogWriter writer(out, options.if_exists);
   Progress progress("copying " + in, reader.report().num_file_bytes);
-  while (const auto event = reader.Next()) {
+  for (; event; event = reader.Next()) {
     progress.Show(reader.offset());
     if (filter.Keeps(*event)) {
       writer.Write(event->time, event->channel, event->data);

@@ -101,10 +101,8 @@ std::string DamageText(const std::string& path,
                        const LogReadReport& report,
                        std::size_t max_lines) {
   if (report.is_sound()) return "";
-  std::string text = "damaged: " + std::to_string(report.num_skipped_bytes) +
-                     " bytes in " + std::to_string(report.num_gaps) +
-                     (report.num_gaps == 1 ? " place" : " places") +
-                     " belong to no record\n";
+  std::string text =
+      "damaged: " + report.SkippedText() + " belong to no record\n";
   const std::size_t num_lines = std::min(max_lines, report.gaps.size());
   for (std::size_t i = 0; i < num_lines; ++i) {
     const auto& gap = report.gaps[i];

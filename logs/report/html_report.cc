@@ -194,11 +194,9 @@ std::string ParametersTable(const LogEvaluation& evaluation) {
     std::vector<Cell> row{{parameters.source, "name"}};
     const Eigen::Vector3d scale(1e6, 1e6, 1e3);
     for (int k = 0; k < 3; ++k) {
-      std::string text = fmt::format("{:.4f}", c.final.vector()(k) * scale(k));
-      if (c.sigma(k) > 0.0) {
-        text += fmt::format(" ± {:.4f}", c.sigma(k) * scale(k));
-      }
-      row.push_back({text, ""});
+      row.push_back(
+          {WithSigmaText(c.final.vector()(k) * scale(k), c.sigma(k) * scale(k)),
+           ""});
     }
     row.push_back({ObservabilityText(c), ""});
     row.push_back({std::to_string(parameters.samples.size()), ""});

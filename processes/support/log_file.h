@@ -51,6 +51,8 @@ struct LogReadReport {
   static constexpr std::size_t kMaxListedGaps = 1000;
 
   [[nodiscard]] bool is_sound() const { return num_gaps == 0; }
+  // "12 bytes in 2 places".
+  [[nodiscard]] std::string SkippedText() const;
 };
 
 // Reads a log from front to back in constant memory (one event and a small

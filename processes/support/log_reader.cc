@@ -288,6 +288,11 @@ LogReader& LogReader::operator=(LogReader&&) noexcept = default;
 std::optional<LogEvent> LogReader::Next() {
   return impl_->Next();
 }
+std::string LogReadReport::SkippedText() const {
+  return std::to_string(num_skipped_bytes) + " bytes in " +
+         std::to_string(num_gaps) + (num_gaps == 1 ? " place" : " places");
+}
+
 const LogReadReport& LogReader::report() const {
   return impl_->report();
 }

@@ -147,10 +147,9 @@ int RunOffline(const ProcessClass& process_class, const Flags& flags) {
   const ReplayReport report = RunReplay(
       {ReplayProcess{process_class, flags.config, flags.settings}}, options);
   if (!report.read.is_sound()) {
-    spdlog::warn("{}: {} bytes in {} places are no log records, skipped",
+    spdlog::warn("{}: {} are no log records, skipped",
                  flags.log_in,
-                 report.read.num_skipped_bytes,
-                 report.read.num_gaps);
+                 report.read.SkippedText());
   }
   if (report.was_stopped) {
     spdlog::error("interrupted after {} events", report.read.num_events);

@@ -91,10 +91,9 @@ void PrintReport(const Request& request, const ReplayReport& report) {
                 status.fault.c_str());
   }
   if (!report.read.is_sound()) {
-    std::printf("%s is damaged: %lld bytes in %lld places were skipped\n",
+    std::printf("%s is damaged: %s were skipped\n",
                 request.in.c_str(),
-                static_cast<long long>(report.read.num_skipped_bytes),
-                static_cast<long long>(report.read.num_gaps));
+                report.read.SkippedText().c_str());
   }
 }
 

@@ -243,5 +243,13 @@ TEST(MetresText, ChoosesTheUnit) {
   EXPECT_EQ(MetresText(2.5), "2.500 m");
 }
 
+TEST(EvaluationTextTest, DecimalsFollowSigma) {
+  EXPECT_EQ(WithSigmaText(361.04123, 2.5312), "361.0 ± 2.5");
+  EXPECT_EQ(WithSigmaText(176.8, 15.3), "177 ± 15");
+  EXPECT_EQ(WithSigmaText(1.0, 0.00123), "1.0000 ± 0.0012");
+  EXPECT_EQ(WithSigmaText(-2.0, 1e-9), "-2.000000 ± 0.000000");
+  EXPECT_EQ(WithSigmaText(349.0, 0.0), "349.0000");
+}
+
 }  // namespace
 }  // namespace waymark

@@ -89,6 +89,11 @@ TEST_F(LogCopyTest, BadRequestsAreOneClearLine) {
   nothing.channels = "OSE";  // Whole names only.
   EXPECT_THAT(copy(nothing), HasSubstr("none of its 30 events"));
   EXPECT_FALSE(std::filesystem::exists(out_));
+  LogCopyOptions backwards;
+  backwards.start = {"--start", "0.2"};
+  backwards.end = {"--end", "0.2"};
+  EXPECT_THAT(copy(backwards), HasSubstr("--end: must be later than --start"));
+  EXPECT_FALSE(std::filesystem::exists(out_));
   LogCopyOptions malformed;
   malformed.channels = "(";
   EXPECT_THAT(copy(malformed), HasSubstr("no regular expression"));

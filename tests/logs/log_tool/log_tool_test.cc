@@ -85,7 +85,7 @@ TEST_F(LogToolProgramTest, DamagedLog) {
   EXPECT_EQ(RunTool("info " + log_).exit_code, 0);
   run = RunTool("repair " + log_ + " " + out_);
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.text, HasSubstr("bytes in 1 places were lost"));
+  EXPECT_THAT(run.text, HasSubstr("bytes in 1 place were lost"));
   EXPECT_EQ(RunTool("check " + out_).exit_code, 0);
 }
 

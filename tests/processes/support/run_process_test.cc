@@ -170,7 +170,7 @@ TEST_F(RunProcessTest, DamagedLogIsSaidAndReadOn) {
   const ChildResult result = Echo({"--log-in", folder_ + "in.lcm"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.err,
-              HasSubstr("4 bytes in 1 places are no log records, skipped"));
+              HasSubstr("4 bytes in 1 place are no log records, skipped"));
 }
 
 TEST_F(RunProcessTest, SignalsEndALiveProcess) {
