@@ -201,7 +201,8 @@ TEST_F(MaebotTest, DamageBetweenRecordsIsSkippedAndTold) {
   WriteBytes(path_, bytes);
   const Recording recording = ReadMaebotLog(path_);
   EXPECT_EQ(recording.encoders.size(), 3u);
-  EXPECT_THAT(recording.notes, Contains(HasSubstr("48 bytes in 1 place skipped")));
+  EXPECT_THAT(recording.notes,
+              Contains(HasSubstr("48 bytes in 1 place skipped")));
 }
 
 TEST_F(MaebotTest, BadMessagesNameTheirEvent) {
