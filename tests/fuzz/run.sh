@@ -45,7 +45,7 @@ fi
 export ASAN_OPTIONS=detect_container_overflow=0
 export UBSAN_OPTIONS=print_stacktrace=1
 
-# Without entropic=0 libFuzzer spends nine tenths of its time weighing the
+# Without entropic=0 libFuzzer spends much of its time weighing the
 # thousands of features of each input; naming new functions is as slow.
 run_target() {
   local name=$1 corpus=$build/corpus/$1
