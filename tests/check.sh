@@ -103,8 +103,11 @@ check_asan() {
   ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
     UBSAN_OPTIONS=print_stacktrace=1 sanitized asan
 }
-check_tsan() { TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1 \
-  sanitized tsan; }
+check_tsan() {
+  local options=halt_on_error=1:second_deadlock_stack=1
+  TSAN_OPTIONS=$options:suppressions=$PWD/tests/tsan_suppressions.txt \
+    sanitized tsan
+}
 
 check_fuzz() { tests/fuzz/run.sh "$fuzz_seconds"; }
 
