@@ -43,7 +43,8 @@ class LcmBus final : public CountingBus {
 
   // Starts to receive; after all subscriptions.
   void Start();
-  // Stops to receive. What waits can still be handled.
+  // Stops to receive, when all that has arrived is in (half a second at most).
+  // It can still be handled.
   void Stop();
   // From now on a pause after each message: what a process still has to say at
   // its end comes in one burst, and receivers built on LCM alone (lcm-logger,
@@ -70,6 +71,7 @@ class LcmBus final : public CountingBus {
   struct Socket {
     std::int64_t wanted_bytes = 0;
     std::int64_t granted_bytes = 0;
+    std::int64_t num_waiting_bytes = 0;  // Not read by LCM's thread yet.
     std::int64_t num_dropped = 0;
   };
   [[nodiscard]] Socket socket() const;
@@ -94,6 +96,7 @@ class LcmBus final : public CountingBus {
   };
 
   void Receive();
+  [[nodiscard]] bool HasArrived(Steady::time_point deadline);
   void OnReceived(const Route& route,
                   std::span<const std::uint8_t> data,
                   Time received);
