@@ -45,7 +45,8 @@ fi
 export ASAN_OPTIONS=detect_container_overflow=0
 export UBSAN_OPTIONS=print_stacktrace=1
 
-# Without entropic=0 libFuzzer spends much of its time weighing the
+# An input takes a second at most; 60 leave room for a machine that does other
+# things first. Without entropic=0 libFuzzer spends much of its time weighing the
 # thousands of features of each input; naming new functions is as slow.
 run_target() {
   local name=$1 corpus=$build/corpus/$1
@@ -55,7 +56,7 @@ run_target() {
   [[ ! -d $regressions ]] || corpus+=" $regressions"
   # shellcheck disable=SC2086  # two folders
   nice -n 19 "$build/fuzz/${name}_fuzz" $corpus \
-    -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -max_len=8192 \
+    -max_total_time="$seconds" -timeout=60 -rss_limit_mb=2048 -max_len=8192 \
     -entropic=0 -print_funcs=0 -print_final_stats=1 -artifact_prefix="$build/findings/$name-" \
     >"$build/reports/$name.txt" 2>&1
 }
