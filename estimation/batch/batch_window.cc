@@ -12,7 +12,7 @@ namespace {
 template <typename T>
 std::int64_t Bound(std::vector<T>* items, int max) {
   if (items->size() < static_cast<std::size_t>(max)) return 0;
-  const auto num_dropped = static_cast<std::ptrdiff_t>(max / 4 + 1);
+  const auto num_dropped = static_cast<std::ptrdiff_t>(max) / 4 + 1;
   items->erase(items->begin(), items->begin() + num_dropped);
   return num_dropped;
 }

@@ -100,9 +100,10 @@ TrackMotion TickTrack::Integrate(double t0,
   const int last = IntervalAt(t1);
   WheelTicks ticks = TicksAt(t0, interval);
   for (; interval <= last; ++interval) {
+    const int next = interval + 1;
     const WheelTicks end = interval == last
                                ? TicksAt(t1, last)
-                               : ticks_[static_cast<std::size_t>(interval + 1)];
+                               : ticks_[static_cast<std::size_t>(next)];
     const WheelTicks step_ticks{end.right - ticks.right, end.left - ticks.left};
     ticks = end;
     if (step_ticks.right == 0.0 && step_ticks.left == 0.0) continue;

@@ -27,7 +27,7 @@ constexpr std::array kShown = {
 constexpr double kBreak = std::numeric_limits<double>::quiet_NaN();
 constexpr double kAnyStep = std::numeric_limits<double>::infinity();
 // A path is interrupted where nothing was published for so long.
-constexpr double kGap_s = 2.0;
+constexpr double kGapS = 2.0;
 
 // The estimate to show as raw: as published, else integrated offline.
 const EstimateEvaluation* Find(const LogEvaluation& evaluation,
@@ -58,7 +58,7 @@ std::vector<PlotPoint> PathPoints(const std::vector<Point>& path,
                                   auto position) {
   std::vector<PlotPoint> points;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    if (i > 0 && Seconds(path[i].time - path[i - 1].time) > kGap_s) {
+    if (i > 0 && Seconds(path[i].time - path[i - 1].time) > kGapS) {
       points.push_back({kBreak, kBreak});
     }
     const Eigen::Vector2d p = position(path[i]);
@@ -74,7 +74,7 @@ std::vector<PlotPoint> OverTime(Time start,
                                 double max_step = kAnyStep) {
   std::vector<PlotPoint> points;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const bool is_gap = i > 0 && Seconds(times[i] - times[i - 1]) > kGap_s;
+    const bool is_gap = i > 0 && Seconds(times[i] - times[i - 1]) > kGapS;
     // An angle that wraps leaves the frame and comes back.
     if (is_gap || (i > 0 && std::abs(values[i] - values[i - 1]) > max_step)) {
       points.push_back({kBreak, kBreak});

@@ -230,9 +230,9 @@ class Drawing {
       if (!IsFinite(p) || !std::isfinite(series.half_width[i])) continue;
       upper +=
           fmt::format("{:.1f},{:.1f} ", X(p.x), Y(p.y + series.half_width[i]));
-      lower =
-          fmt::format("{:.1f},{:.1f} ", X(p.x), Y(p.y - series.half_width[i])) +
-          lower;
+      lower.insert(
+          0,
+          fmt::format("{:.1f},{:.1f} ", X(p.x), Y(p.y - series.half_width[i])));
     }
     *svg += fmt::format("<polygon class=\"halo {}\" points=\"{}\"/>\n",
                         series.role,

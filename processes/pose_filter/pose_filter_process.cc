@@ -13,7 +13,7 @@ namespace waymark {
 namespace {
 
 // A crash loses at most this much of what was learned.
-constexpr double kSavePeriod_s = 30.0;
+constexpr double kSavePeriodS = 30.0;
 
 DelayedFusionOptions OptionsOf(const PoseFilterConfig& config) {
   DelayedFusionOptions options = config.Options();
@@ -165,7 +165,7 @@ void PoseFilterProcess::PublishParameters(const Settled& settled) {
   if (!parameters.is_known) return;
   learned_ = parameters;
   if (!save_time_) save_time_ = now;
-  if (due(save_time_, kSavePeriod_s)) {
+  if (due(save_time_, kSavePeriodS)) {
     save_time_ = now;
     Save();
   }

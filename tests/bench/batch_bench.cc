@@ -23,7 +23,7 @@ namespace waymark {
 namespace {
 
 std::string DataFolder(const std::string& name) {
-  const std::string folder = RealDataFolder(name);
+  std::string folder = RealDataFolder(name);
   if (folder.empty()) {
     std::printf("skipped: no recording %s (set WAYMARK_DATA)\n", name.c_str());
   }
@@ -67,7 +67,7 @@ std::vector<Scenario> Scenarios() {
   motions.options.sigma_m = 0.002;
   motions.options.sigma_rad = 0.002;
   motions.options.X_RS = {0.08, -0.03, 0.7};
-  motions.options.nominal_X_RS = {0.0, 0.0, 0.6};
+  motions.options.X_RS_nominal = {0.0, 0.0, 0.6};
   motions.options.time_offset_s = 0.03;
   motions.sensor.position = true;
   motions.sensor.yaw = true;

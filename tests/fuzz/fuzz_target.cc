@@ -99,8 +99,8 @@ class Scratch {
 }  // namespace
 
 const std::string& ScratchFolder() {
-  static const Scratch scratch;
-  return scratch.folder();
+  static const Scratch kScratch;
+  return kScratch.folder();
 }
 
 std::string WriteScratch(const std::string& name, Bytes content) {

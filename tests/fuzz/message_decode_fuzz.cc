@@ -58,7 +58,7 @@ constexpr std::array kDecoders{WAYMARK_FOR_EACH_MESSAGE_TYPE(DECODE)};
 #undef DECODE
 
 // Index of a type among them, for the seeds.
-#define NAME(package, type) #package "." #type,
+#define NAME(package, type) std::string_view(#package "." #type),
 constexpr std::string_view kNames[] = {WAYMARK_FOR_EACH_MESSAGE_TYPE(NAME)};
 #undef NAME
 

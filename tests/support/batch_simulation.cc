@@ -76,7 +76,7 @@ BatchSimulation SimulateBatch(const BatchSimulationOptions& options,
       fix.has = {true, true, options.has_heading};
       fix.value = Disturb(X_WS, options, &random).vector();
       fix.covariance = Covariance(options);
-      fix.X_RS = options.nominal_X_RS;
+      fix.X_RS = options.X_RS_nominal;
       log.fixes.push_back(fix);
     }
     if (options.motion_every > 0 &&
@@ -89,7 +89,7 @@ BatchSimulation SimulateBatch(const BatchSimulationOptions& options,
         motion.source = options.source;
         motion.X_S0S1 = Disturb(Between(X_WS0, X_WS), options, &random);
         motion.covariance = Covariance(options);
-        motion.X_RS = options.nominal_X_RS;
+        motion.X_RS = options.X_RS_nominal;
         log.motions.push_back(motion);
       }
       X_WS0 = X_WS;

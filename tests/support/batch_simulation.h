@@ -15,7 +15,7 @@ struct BatchSimulationOptions {
   DriveSimulationOptions drive;
   std::string source = "sensor";
   Pose2 X_RS;                  // True mounting.
-  Pose2 nominal_X_RS;          // As the messages state it.
+  Pose2 X_RS_nominal;          // As the messages state it.
   double time_offset_s = 0.0;  // Sensor's clock minus encoders'.
   int fix_every = 10;          // Readings per fix; 0: no fixes.
   bool has_heading = true;     // Of the fixes.

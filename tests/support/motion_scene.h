@@ -21,7 +21,7 @@ inline BatchSimulationOptions MotionDrive(std::uint64_t seed) {
   options.drive.seed = seed;
   options.fix_every = 0;
   options.motion_every = 10;
-  options.X_RS = options.nominal_X_RS = kMotionMounting;
+  options.X_RS = options.X_RS_nominal = kMotionMounting;
   options.sigma_m = 2e-3;
   options.sigma_rad = 3e-3;
   return options;

@@ -8,6 +8,7 @@
 #include "processes/support/signals.h"
 
 #include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -51,8 +52,11 @@ std::vector<ReplayProcess> MakeProcesses(const std::vector<ProcessClass>& known,
           return c.name == name;
         });
     if (found == known.end()) {
-      throw InputError("--process " + text + ": there is no process '" + name +
-                       "', but: " + NamesOf(known));
+      throw InputError(
+          fmt::format("--process {}: there is no process '{}', but: {}",
+                      text,
+                      name,
+                      NamesOf(known)));
     }
     if (file.empty()) file = ShippedConfiguration(name);
     result.push_back({*found, file, {}});

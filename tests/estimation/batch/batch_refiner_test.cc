@@ -102,7 +102,7 @@ TEST(BatchRefiner, ExactPositionsGiveWheelsAndLeverArm) {
 // The 4 values of a mounting that every kind of measurement gives back.
 void ExpectMountingRecovered(BatchSimulationOptions drive, double nominal_yaw) {
   drive.X_RS = {0.08, -0.03, 0.7};
-  drive.nominal_X_RS = {0.0, 0.0, nominal_yaw};
+  drive.X_RS_nominal = {0.0, 0.0, nominal_yaw};
   drive.time_offset_s = 0.037;
   const BatchSimulation simulation = SimulateBatch(drive, MixedDriver(0.3));
   BatchOptions options = WideOptions();
@@ -403,7 +403,7 @@ TEST(BatchRefiner, StatedCovarianceOfRelativeMotionIsTheBound) {
   drive.sigma_m = 0.002;
   drive.sigma_rad = 0.002;
   drive.X_RS = {0.08, -0.03, 0.7};
-  drive.nominal_X_RS = {0.0, 0.0, 0.6};
+  drive.X_RS_nominal = {0.0, 0.0, 0.6};
   drive.time_offset_s = 0.03;
   BatchOptions options = Options();
   BatchSensorOptions sensor;

@@ -214,15 +214,15 @@ TEST(OdometryEkf, ObservabilityIsZeroWithoutMeasurementsAndGrows) {
 // Must show: an update that would break the covariance stops with a fault,
 // never a wrong pose.
 TEST(OdometryEkf, BreakingUpdateStopsWithAFault) {
-  const double kNan = std::numeric_limits<double>::quiet_NaN();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
   struct Case {
     const char* name;
     Eigen::Vector3d value;
     double variance;
   };
   for (const Case& c : {Case{"negative variance", {0.01, 0, 0}, -1e-3},
-                        Case{"variance nan", {0.01, 0, 0}, kNan},
-                        Case{"value nan", {kNan, 0, 0}, 1e-4},
+                        Case{"variance nan", {0.01, 0, 0}, nan},
+                        Case{"value nan", {nan, 0, 0}, 1e-4},
                         Case{"value infinite",
                              {std::numeric_limits<double>::infinity(), 0, 0},
                              1e-4}}) {
