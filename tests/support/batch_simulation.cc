@@ -43,10 +43,9 @@ void Update(const Eigen::Matrix<double, 3, 13>& H,
   const Eigen::MatrixXd S =
       h * *P * h.transpose() + R.topLeftCorner(rows, rows);
   const Eigen::MatrixXd K = *P * h.transpose() * S.inverse();
-  const Eigen::MatrixXd I_KH = State::Identity() - K * h;
+  const Eigen::MatrixXd A = State::Identity() - K * h;
   // Joseph's form stays positive over thousands of updates.
-  *P = I_KH * *P * I_KH.transpose() +
-       K * R.topLeftCorner(rows, rows) * K.transpose();
+  *P = A * *P * A.transpose() + K * R.topLeftCorner(rows, rows) * K.transpose();
 }
 
 }  // namespace
