@@ -36,24 +36,6 @@ Pose2 PoseOf(const double* block) {
   return {block[0], block[1], WrapAngle(block[2])};
 }
 
-// Derivatives of Between(A, B) by A and by B.
-struct BetweenJacobians {
-  Eigen::Matrix3d d_A;
-  Eigen::Matrix3d d_B;
-};
-BetweenJacobians JacobiansOfBetween(const Pose2& X_WA, const Pose2& X_AB) {
-  const double c = std::cos(X_WA.heading);
-  const double s = std::sin(X_WA.heading);
-  BetweenJacobians jacobians;
-  jacobians.d_A << -c, -s, X_AB.y,  //
-      s, -c, -X_AB.x,               //
-      0.0, 0.0, -1.0;
-  jacobians.d_B << c, s, 0.0,  //
-      -s, c, 0.0,              //
-      0.0, 0.0, 1.0;
-  return jacobians;
-}
-
 TieShift ShiftOf(const KeyframeTie& tie, double offset) {
   const double time = tie.sensor_time - offset;
   TieShift shift;
@@ -128,16 +110,16 @@ bool StepCost::Evaluate(double const* const* blocks,
                               DriveNoise{0.0, 0.0},
                               model_.integration);
   const Pose2 X_WR0 = PoseOf(blocks[0]);
-  const Pose2 X_R0R1 = Between(X_WR0, PoseOf(blocks[1]));
+  const Pose2 X_WR1 = PoseOf(blocks[1]);
   Eigen::Map<Eigen::Vector3d> r(residuals);
-  r = whiten_ * Difference(X_R0R1, ticks.X_R0R1.vector());
+  r = whiten_ * Difference(Between(X_WR0, X_WR1), ticks.X_R0R1.vector());
   if (jacobians == nullptr) return true;
-  const BetweenJacobians between = JacobiansOfBetween(X_WR0, X_R0R1);
+  const BetweenJacobians between = JacobiansOfBetween(X_WR0, X_WR1);
   if (jacobians[0] != nullptr) {
-    MapOf<3, 3>(jacobians[0]) = whiten_ * between.d_A;
+    MapOf<3, 3>(jacobians[0]) = whiten_ * between.d_AB;
   }
   if (jacobians[1] != nullptr) {
-    MapOf<3, 3>(jacobians[1]) = whiten_ * between.d_B;
+    MapOf<3, 3>(jacobians[1]) = whiten_ * between.d_AC;
   }
   if (jacobians[2] != nullptr) {
     MapOf<3, 3>(jacobians[2]) =
@@ -170,12 +152,13 @@ bool FixCost::Evaluate(double const* const* blocks,
                        double* residuals,
                        double** jacobians) const {
   const SensorPose sensor = SensorPoseOf(blocks[0], blocks[1], tie_);
-  const Pose2 X_FS = Between(X_WF_, sensor.X_WS);
   const int rows = num_residuals();
-  const Eigen::Vector3d r = whiten_ * Difference(X_FS, value_);
+  const Eigen::Vector3d r =
+      whiten_ * Difference(Between(X_WF_, sensor.X_WS), value_);
   std::copy_n(r.data(), rows, residuals);
   if (jacobians == nullptr) return true;
-  const Eigen::Matrix3d d_S = whiten_ * JacobiansOfBetween(X_WF_, X_FS).d_B;
+  const Eigen::Matrix3d d_S =
+      whiten_ * JacobiansOfBetween(X_WF_, sensor.X_WS).d_AC;
   if (jacobians[0] != nullptr) {
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> d_pose =
         d_S * sensor.d_pose;
@@ -202,13 +185,12 @@ bool MotionCost::Evaluate(double const* const* blocks,
                           double** jacobians) const {
   const SensorPose from = SensorPoseOf(blocks[0], blocks[2], from_);
   const SensorPose to = SensorPoseOf(blocks[1], blocks[2], to_);
-  const Pose2 X_S0S1 = Between(from.X_WS, to.X_WS);
   Eigen::Map<Eigen::Vector3d> r(residuals);
-  r = whiten_ * Difference(X_S0S1, X_S0S1_.vector());
+  r = whiten_ * Difference(Between(from.X_WS, to.X_WS), X_S0S1_.vector());
   if (jacobians == nullptr) return true;
-  const BetweenJacobians between = JacobiansOfBetween(from.X_WS, X_S0S1);
-  const Eigen::Matrix3d d_from = whiten_ * between.d_A;
-  const Eigen::Matrix3d d_to = whiten_ * between.d_B;
+  const BetweenJacobians between = JacobiansOfBetween(from.X_WS, to.X_WS);
+  const Eigen::Matrix3d d_from = whiten_ * between.d_AB;
+  const Eigen::Matrix3d d_to = whiten_ * between.d_AC;
   if (jacobians[0] != nullptr) {
     MapOf<3, 3>(jacobians[0]) = d_from * from.d_pose;
   }

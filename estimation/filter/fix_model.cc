@@ -2,20 +2,13 @@
 
 #include "estimation/geometry/angle.h"
 
-#include <cmath>
-
 namespace waymark {
 
 FixPrediction PredictFix(const AbsoluteFix& fix, const Pose2& X_WR) {
   const Pose2 X_WS = X_WR * fix.X_RS;
   const Pose2 X_FS = Between(fix.X_WF, X_WS);
-  Eigen::Matrix3d d_pose = JacobiansOfCompose(X_WR, fix.X_RS).d_AB;
-  // Position in F is R_WF^T (p_WS - p_WF); the heading only shifts.
-  const double c = std::cos(fix.X_WF.heading);
-  const double s = std::sin(fix.X_WF.heading);
-  Eigen::Matrix2d R_FW;
-  R_FW << c, s, -s, c;
-  d_pose.topRows<2>() = (R_FW * d_pose.topRows<2>()).eval();
+  const Eigen::Matrix3d d_pose = JacobiansOfBetween(fix.X_WF, X_WS).d_AC *
+                                 JacobiansOfCompose(X_WR, fix.X_RS).d_AB;
 
   Eigen::Vector3d residual = fix.value - X_FS.vector();
   residual(2) = WrapAngle(residual(2));

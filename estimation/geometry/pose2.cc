@@ -56,4 +56,18 @@ ComposeJacobians JacobiansOfCompose(const Pose2& X_AB, const Pose2& X_BC) {
   return jacobians;
 }
 
+BetweenJacobians JacobiansOfBetween(const Pose2& X_AB, const Pose2& X_AC) {
+  const Pose2 X_BC = Between(X_AB, X_AC);
+  const double c = std::cos(X_AB.heading);
+  const double s = std::sin(X_AB.heading);
+  BetweenJacobians jacobians;
+  jacobians.d_AB << -c, -s, X_BC.y,  //
+      s, -c, -X_BC.x,                //
+      0.0, 0.0, -1.0;
+  jacobians.d_AC << c, s, 0.0,  //
+      -s, c, 0.0,               //
+      0.0, 0.0, 1.0;
+  return jacobians;
+}
+
 }  // namespace waymark

@@ -40,4 +40,13 @@ struct ComposeJacobians {
 [[nodiscard]] ComposeJacobians JacobiansOfCompose(const Pose2& X_AB,
                                                   const Pose2& X_BC);
 
+// Derivatives of Between(X_AB, X_AC), as (x, y, heading), with respect to each
+// pose.
+struct BetweenJacobians {
+  Eigen::Matrix3d d_AB;
+  Eigen::Matrix3d d_AC;
+};
+[[nodiscard]] BetweenJacobians JacobiansOfBetween(const Pose2& X_AB,
+                                                  const Pose2& X_AC);
+
 }  // namespace waymark

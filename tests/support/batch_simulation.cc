@@ -185,19 +185,14 @@ Eigen::Matrix<double, 7, 7> CramerRaoBound(
         i % static_cast<std::size_t>(options.motion_every) == 0) {
       if (i > 0) {
         const Pose2 X_WS0 = truth[from].X_WR * options.X_RS;
-        const Pose2 X_S0S1 = Between(X_WS0, truth[i].X_WR * options.X_RS);
-        const double c = std::cos(X_WS0.heading);
-        const double s = std::sin(X_WS0.heading);
-        Eigen::Matrix3d d_0;
-        d_0 << -c, -s, X_S0S1.y, s, -c, -X_S0S1.x, 0.0, 0.0, -1.0;
-        Eigen::Matrix3d d_1;
-        d_1 << c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0;
+        const BetweenJacobians between =
+            JacobiansOfBetween(X_WS0, truth[i].X_WR * options.X_RS);
         const Eigen::Matrix<double, 3, 7> d_from = sensor_at(from);
         Eigen::Matrix<double, 3, 13> H = Eigen::Matrix<double, 3, 13>::Zero();
-        H.leftCols<3>() = d_1 * d.leftCols<3>();
-        H.block<3, 4>(0, 6) =
-            d_1 * d.rightCols<4>() + d_0 * d_from.rightCols<4>();
-        H.rightCols<3>() = d_0 * d_from.leftCols<3>();
+        H.leftCols<3>() = between.d_AC * d.leftCols<3>();
+        H.block<3, 4>(0, 6) = between.d_AC * d.rightCols<4>() +
+                              between.d_AB * d_from.rightCols<4>();
+        H.rightCols<3>() = between.d_AB * d_from.leftCols<3>();
         Update(H, R, 3, &P);
       }
       // The clone becomes the present pose.

@@ -62,30 +62,52 @@ TEST(Pose2, QuarterTurnToTheLeftMapsForwardToLeft) {
   EXPECT_NEAR(p_AQ.y(), 5, kTight);
 }
 
+// Derivative of function(step) at 0, whose last value is an angle, by central
+// differences: error step^2 * value, plus rounding / step.
+constexpr double kDerivative = 1e-8;
+template <typename Function>
+Eigen::Vector3d DerivativeOf(const Function& function) {
+  constexpr double kStep = 1e-6;
+  Eigen::Vector3d d = function(kStep).vector() - function(-kStep).vector();
+  d.z() = WrapAngle(d.z());
+  return d / (2 * kStep);
+}
+
+// X with its k-th value changed.
+Pose2 Changed(const Pose2& X, int k, double step) {
+  return Pose2::FromVector(X.vector() + step * Eigen::Vector3d::Unit(k));
+}
+
 TEST(Pose2, JacobiansOfComposeMatchDifferences) {
   Random random(3);
-  constexpr double kStep = 1e-6;
   for (int i = 0; i < 50; ++i) {
     const Pose2 X_AB = RandomPose(&random);
     const Pose2 X_BC = RandomPose(&random);
     const ComposeJacobians jacobians = JacobiansOfCompose(X_AB, X_BC);
     for (int k = 0; k < 3; ++k) {
-      Eigen::Vector3d step = Eigen::Vector3d::Zero();
-      step(k) = kStep;
-      const auto difference = [&](const Pose2& plus, const Pose2& minus) {
-        Eigen::Vector3d d = plus.vector() - minus.vector();
-        d.z() = WrapAngle(d.z());
-        return Eigen::Vector3d(d / (2 * kStep));
-      };
-      const Eigen::Vector3d d_AB =
-          difference(Pose2::FromVector(X_AB.vector() + step) * X_BC,
-                     Pose2::FromVector(X_AB.vector() - step) * X_BC);
-      const Eigen::Vector3d d_BC =
-          difference(X_AB * Pose2::FromVector(X_BC.vector() + step),
-                     X_AB * Pose2::FromVector(X_BC.vector() - step));
-      // Central differences: error step^2 * value, plus rounding / step.
-      EXPECT_LT((d_AB - jacobians.d_AB.col(k)).norm(), 1e-8);
-      EXPECT_LT((d_BC - jacobians.d_BC.col(k)).norm(), 1e-8);
+      const Eigen::Vector3d d_AB = DerivativeOf(
+          [&](double step) { return Changed(X_AB, k, step) * X_BC; });
+      const Eigen::Vector3d d_BC = DerivativeOf(
+          [&](double step) { return X_AB * Changed(X_BC, k, step); });
+      EXPECT_LT((d_AB - jacobians.d_AB.col(k)).norm(), kDerivative);
+      EXPECT_LT((d_BC - jacobians.d_BC.col(k)).norm(), kDerivative);
+    }
+  }
+}
+
+TEST(Pose2, JacobiansOfBetweenMatchDifferences) {
+  Random random(4);
+  for (int i = 0; i < 50; ++i) {
+    const Pose2 X_AB = RandomPose(&random);
+    const Pose2 X_AC = RandomPose(&random);
+    const BetweenJacobians jacobians = JacobiansOfBetween(X_AB, X_AC);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d d_AB = DerivativeOf(
+          [&](double step) { return Between(Changed(X_AB, k, step), X_AC); });
+      const Eigen::Vector3d d_AC = DerivativeOf(
+          [&](double step) { return Between(X_AB, Changed(X_AC, k, step)); });
+      EXPECT_LT((d_AB - jacobians.d_AB.col(k)).norm(), kDerivative);
+      EXPECT_LT((d_AC - jacobians.d_AC.col(k)).norm(), kDerivative);
     }
   }
 }
