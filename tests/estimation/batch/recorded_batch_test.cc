@@ -34,11 +34,12 @@ TEST(RecordedBatch, CensiMountingsPredictHeldOutMotion) {
   const CensiReport report = CrossValidateCensi(folder);
   ASSERT_EQ(report.mountings.size(), 2u);
   for (const CensiMountingReport& mounting : report.mountings) {
-    // No worse than the authors', but for what resampling cannot tell.
+    // No worse than the authors', but for what resampling cannot tell: the
+    // medians themselves are known to 1 %, the two fits differ by less.
     EXPECT_LT(mounting.position_gap.low, 0.0);
     EXPECT_LT(mounting.yaw_gap.low, 0.0);
-    EXPECT_LT(mounting.position_gap.share, 0.01);
-    EXPECT_LT(mounting.yaw_gap.share, 0.01);
+    EXPECT_LT(mounting.position_gap.share, 0.005);
+    EXPECT_LT(mounting.yaw_gap.share, 0.005);
   }
   EXPECT_NEAR(report.joint.parameters.wheel_base, 0.0885, 0.001);
   EXPECT_LT(report.axle_spread, 0.02);
