@@ -19,12 +19,6 @@ namespace {
 // may invent names without end; those beyond the bound are not followed.
 constexpr std::size_t kMaxSenders = 64;
 
-// Warnings thin out by count, not by a clock: the 1st, 10th, 100th, ...
-bool IsPowerOfTen(std::int64_t count) {
-  while (count >= 10 && count % 10 == 0) count /= 10;
-  return count == 1;
-}
-
 // Whether a power of ten lies in (before, after].
 bool PassesPowerOfTen(std::int64_t before, std::int64_t after) {
   for (std::int64_t power = 1; power <= after; power *= 10) {
@@ -197,6 +191,11 @@ bool CountingBus::IsOwn(std::string_view channel,
                      [&](const Advertisement& a) {
                        return a.channel == channel && a.is_own(data);
                      });
+}
+
+bool CountingBus::IsPowerOfTen(std::int64_t count) {
+  while (count >= 10 && count % 10 == 0) count /= 10;
+  return count == 1;
 }
 
 void CountingBus::Warn(const std::string& text) {

@@ -65,6 +65,8 @@ class CountingBus : public Bus {
                    std::int64_t num_dropped);
   // Subscriptions made from now on are the runner's own.
   void HideFurtherSubscriptions() { hide_subscriptions_ = true; }
+  // Warnings thin out by count, not by a clock: the 1st, 10th, 100th, ...
+  [[nodiscard]] static bool IsPowerOfTen(std::int64_t count);
   // One line for the user.
   virtual void Warn(const std::string& text);
   // Further words for the warning of lost messages.

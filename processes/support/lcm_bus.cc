@@ -2,43 +2,23 @@
 
 #include "estimation/base/check.h"
 #include "processes/support/channels.h"
-#include "processes/support/input_error.h"
-#include "processes/support/lcm_url.h"
 
-#include <dirent.h>
-#include <lcm/lcm.h>
-#include <linux/sock_diag.h>
-#include <netinet/in.h>
 #include <poll.h>
-#include <pthread.h>
 #include <signal.h>
 #include <spdlog/fmt/fmt.h>
 #include <sys/eventfd.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
-#ifdef __SANITIZE_THREAD__
-extern "C" void AnnotateIgnoreWritesBegin(const char* file, int line);
-extern "C" void AnnotateIgnoreWritesEnd(const char* file, int line);
-#endif
-
 namespace waymark {
 namespace {
 
-// LCM's queue between its reader and our draining thread. Large enough for a
-// burst while we are not scheduled; what overflows shows as a gap in the
-// numbers.
-constexpr int kLcmQueueMessages = 1000;
-// LCM's limit of a channel's name.
-constexpr std::size_t kMaxChannelBytes = 63;
 // A twin that has been silent for some of its 1 Hz reports is gone.
 constexpr std::chrono::seconds kTwinTimeout{5};
 
@@ -51,113 +31,10 @@ std::string HostName() {
   return name.data();
 }
 
-// While one exists, threads that the calling thread makes run before ordinary
-// ones, where the user may do that (root, or RLIMIT_RTPRIO). The
-// stock receive buffer holds one raw image: on a busy machine LCM's reader, who
-// only copies, must not wait for its turn.
-class MakesUrgentThreads {
- public:
-  MakesUrgentThreads() {
-    ::pthread_getschedparam(::pthread_self(), &policy_, &parameters_);
-    sched_param lowest_real_time{};
-    lowest_real_time.sched_priority = 1;
-    is_set_ = ::pthread_setschedparam(
-                  ::pthread_self(), SCHED_RR, &lowest_real_time) == 0;
-  }
-  ~MakesUrgentThreads() {
-    if (is_set_) {
-      ::pthread_setschedparam(::pthread_self(), policy_, &parameters_);
-    }
-  }
-  MakesUrgentThreads(const MakesUrgentThreads&) = delete;
-  MakesUrgentThreads& operator=(const MakesUrgentThreads&) = delete;
-
- private:
-  int policy_ = SCHED_OTHER;
-  sched_param parameters_{};
-  bool is_set_ = false;
-};
-
-// LCM reads channels as regular expressions.
-std::string Literal(const std::string& channel) {
-  std::string escaped;
-  for (const char c : channel) {
-    if (std::strchr("\\^$.|?*+()[]{}", c) != nullptr) escaped += '\\';
-    escaped += c;
-  }
-  return escaped;
-}
-
-// Port that a UDP socket is bound to, 0 for any other descriptor.
-int BoundPort(int fd) {
-  sockaddr_in address{};
-  socklen_t size = sizeof(address);
-  if (::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
-      address.sin_family != AF_INET) {
-    return 0;
-  }
-  return ntohs(address.sin_port);
-}
-
-// Descriptors of this process's sockets on a UDP port.
-std::vector<int> SocketsAt(int port) {
-  std::vector<int> sockets;
-  DIR* directory = port > 0 ? ::opendir("/proc/self/fd") : nullptr;
-  if (directory == nullptr) return sockets;
-  while (const dirent* entry = ::readdir(directory)) {
-    const int fd = std::atoi(entry->d_name);
-    if (fd > 2 && BoundPort(fd) == port) sockets.push_back(fd);
-  }
-  ::closedir(directory);
-  return sockets;
-}
-
-// LCM hands messages from thread to thread under locks of GLib's, which the
-// thread sanitizer cannot see, since both are built without it. While one
-// exists it takes no note of what this thread writes.
-class UnseenBySanitizer {
- public:
-#ifdef __SANITIZE_THREAD__
-  UnseenBySanitizer() {
-    AnnotateIgnoreWritesBegin(__FILE__, __LINE__);
-  }
-  ~UnseenBySanitizer() {
-    AnnotateIgnoreWritesEnd(__FILE__, __LINE__);
-  }
-#else
-  UnseenBySanitizer() {}
-  ~UnseenBySanitizer() {}
-#endif
-  UnseenBySanitizer(const UnseenBySanitizer&) = delete;
-  UnseenBySanitizer& operator=(const UnseenBySanitizer&) = delete;
-};
-
-bool IsPowerOfTen(std::int64_t count) {
-  while (count >= 10 && count % 10 == 0) count /= 10;
-  return count == 1;
-}
-
 }  // namespace
 
-void LcmBus::LcmCloser::operator()(lcm_t* lcm) const {
-  lcm_destroy(lcm);
-}
-
 LcmBus::LcmBus(std::string process, const std::string& url)
-    : CountingBus(std::move(process)),
-      url_(url),
-      port_(PortOf(url)),
-      wanted_bytes_(2 * ReceiveBufferOf(url)),
-      host_(HostName()) {
-  CheckLcmReachable(url);
-  // The kernel doubles what it is asked for, and LCM complains in three lines
-  // of its own where the result is less than it asked for. We ask for what can
-  // be had, and tell of it when it matters.
-  const std::int64_t can_be_had = 2 * LargestReceiveBuffer();
-  lcm_.reset(lcm_create(
-      WithReceiveBuffer(url, std::min(ReceiveBufferOf(url), can_be_had))
-          .c_str()));
-  if (lcm_ == nullptr) throw InputError("LCM refuses the URL " + url);
+    : CountingBus(std::move(process)), host_(HostName()), lcm_(url) {
   wake_fd_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   stop_fd_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   WAYMARK_CHECK(wake_fd_ >= 0 && stop_fd_ >= 0, std::strerror(errno));
@@ -165,14 +42,13 @@ LcmBus::LcmBus(std::string process, const std::string& url)
 
 LcmBus::~LcmBus() {
   Stop();
-  lcm_.reset();
   ::close(wake_fd_);
   ::close(stop_fd_);
 }
 
 void LcmBus::SubscribeRaw(Subscription subscription) {
   WAYMARK_CHECK(!receiver_.joinable(), "subscribe before Start()");
-  WAYMARK_CHECK(subscription.channel.size() <= kMaxChannelBytes,
+  WAYMARK_CHECK(subscription.channel.size() <= LcmConnection::kMaxChannelBytes,
                 subscription.channel);
   const std::size_t index = subscriptions().size();
   const std::string channel = subscription.channel;
@@ -183,35 +59,12 @@ void LcmBus::SubscribeRaw(Subscription subscription) {
     route->subscriptions.push_back(index);
     return;
   }
-  routes_.push_back(std::make_unique<Route>(Route{this, channel, {index}}));
-  // LCM opens its socket, and makes the thread that reads it, with the first
-  // subscription, and keeps both to itself.
-  std::optional<MakesUrgentThreads> urgent;
-  if (routes_.size() == 1) urgent.emplace();
-  const std::vector<int> before = SocketsAt(routes_.size() == 1 ? port_ : 0);
-  lcm_subscription_t* made = lcm_subscribe(
-      lcm_.get(),
-      Literal(channel).c_str(),
-      [](const lcm_recv_buf_t* buffer, const char*, void* context) {
-        const Route& target = *static_cast<const Route*>(context);
-        target.bus->OnReceived(
-            target,
-            {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size},
-            TimeFromMicroseconds(buffer->recv_utime));
-      },
-      routes_.back().get());
-  if (made == nullptr) {
-    throw InputError(url_ +
-                     ": LCM cannot hear itself: is multicast blocked by a "
-                     "firewall, or the interface of its route down?");
-  }
-  lcm_subscription_set_queue_capacity(made, kLcmQueueMessages);
-  if (routes_.size() > 1) return;
-  for (const int fd : SocketsAt(port_)) {
-    if (std::find(before.begin(), before.end(), fd) == before.end()) {
-      socket_fd_ = fd;
-    }
-  }
+  routes_.push_back(std::make_unique<Route>(Route{channel, {index}}));
+  lcm_.Subscribe(channel,
+                 [this, route = routes_.back().get()](
+                     std::span<const std::uint8_t> data, Time received) {
+                   OnReceived(*route, data, received);
+                 });
 }
 
 void LcmBus::WatchForTwins() {
@@ -263,9 +116,9 @@ void LcmBus::Wake() {
 // queue and in the socket.
 bool LcmBus::HasArrived(Steady::time_point deadline) {
   // LCM's thread holds a message between the two for less than this.
-  constexpr int kBetween_ms = 5;
-  pollfd wait{lcm_get_fileno(lcm_.get()), POLLIN, 0};
-  while (::poll(&wait, 1, kBetween_ms) <= 0) {
+  constexpr std::chrono::milliseconds kBetween{5};
+  pollfd wait{lcm_.fd(), POLLIN, 0};
+  while (::poll(&wait, 1, static_cast<int>(kBetween.count())) <= 0) {
     if (socket().num_waiting_bytes == 0 || Steady::now() > deadline) {
       return false;
     }
@@ -274,7 +127,7 @@ bool LcmBus::HasArrived(Steady::time_point deadline) {
 }
 
 void LcmBus::Receive() {
-  std::array<pollfd, 2> waits{pollfd{lcm_get_fileno(lcm_.get()), POLLIN, 0},
+  std::array<pollfd, 2> waits{pollfd{lcm_.fd(), POLLIN, 0},
                               pollfd{stop_fd_, POLLIN, 0}};
   // At the end: others may go on publishing faster than this is emptied.
   constexpr std::chrono::milliseconds kLongestEnd{500};
@@ -294,9 +147,7 @@ void LcmBus::Receive() {
         }
         if (waits[0].revents == 0) continue;
       }
-      if (lcm_handle(lcm_.get()) < 0) {
-        throw std::runtime_error("LCM stopped receiving on " + url_);
-      }
+      lcm_.Handle();
       const MutexLock lock(&failure_mutex_);
       if (failure_) break;
     }
@@ -368,23 +219,19 @@ void LcmBus::PublishRaw(std::string_view channel,
                         std::span<const std::uint8_t> data,
                         Time utime) {
   CountPublished(channel);
-  WAYMARK_CHECK(channel.size() <= kMaxChannelBytes, channel);
-  if (data.size() > LCM_MAX_MESSAGE_SIZE) {
+  WAYMARK_CHECK(channel.size() <= LcmConnection::kMaxChannelBytes, channel);
+  if (data.size() > LcmConnection::kMaxMessageBytes) {
     throw std::runtime_error(
         fmt::format("{}: a message of {} bytes, LCM takes "
                     "{} at most",
                     channel,
                     data.size(),
-                    LCM_MAX_MESSAGE_SIZE));
+                    LcmConnection::kMaxMessageBytes));
   }
   if (channel != kStatus && channel != kConfig) {
     published_utime_ = Microseconds(utime);
   }
-  const UnseenBySanitizer unseen;
-  if (lcm_publish(lcm_.get(),
-                  std::string(channel).c_str(),
-                  data.data(),
-                  static_cast<unsigned int>(data.size())) == 0) {
+  if (lcm_.Send(std::string(channel), data)) {
     // 30 messages take 60 ms: longer than a receiver waits for its turn.
     constexpr std::chrono::milliseconds kPause(2);
     if (is_paced_) std::this_thread::sleep_for(kPause);
@@ -400,39 +247,6 @@ void LcmBus::PublishRaw(std::string_view channel,
   }
 }
 
-LcmBus::Socket LcmBus::socket() const {
-  Socket socket;
-  if (socket_fd_ < 0) return socket;
-  std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
-  socklen_t size = sizeof(info);
-  if (::getsockopt(socket_fd_, SOL_SOCKET, SO_MEMINFO, info.data(), &size) !=
-      0) {
-    return socket;
-  }
-  socket.wanted_bytes = wanted_bytes_;
-  socket.granted_bytes = info[SK_MEMINFO_RCVBUF];
-  socket.num_waiting_bytes = info[SK_MEMINFO_RMEM_ALLOC];
-  socket.num_dropped = info[SK_MEMINFO_DROPS];
-  return socket;
-}
-
-std::string LcmBus::LossAdvice() const {
-  const Socket now = socket();
-  if (now.granted_bytes == 0 || now.num_dropped == 0) return {};
-  if (now.granted_bytes < now.wanted_bytes) {
-    return fmt::format(
-        "; the receive buffer is too small ({} of {} KiB): sudo sysctl -w "
-        "net.core.rmem_max={}",
-        now.granted_bytes / 1024,
-        now.wanted_bytes / 1024,
-        now.wanted_bytes / 2);
-  }
-  return fmt::format(
-      "; the receive buffer of {} KiB is too small: put a larger recv_buf_size "
-      "into the LCM URL",
-      now.granted_bytes / 1024);
-}
-
 std::string LcmBus::Faults() {
   std::vector<std::string> faults;
   if (!fault().empty()) faults.push_back(fault());
@@ -443,10 +257,11 @@ std::string LcmBus::Faults() {
   if (num_unsent_ > std::exchange(num_unsent_shown_, num_unsent_)) {
     faults.push_back(fmt::format("{} messages not sent", num_unsent_));
   }
-  const std::int64_t num_datagrams = socket().num_dropped;
-  if (num_datagrams > std::exchange(num_datagrams_shown_, num_datagrams)) {
-    faults.push_back(fmt::format(
-        "the kernel dropped {} datagrams{}", num_datagrams, LossAdvice()));
+  const Socket now = socket();
+  if (now.num_dropped > std::exchange(num_datagrams_shown_, now.num_dropped)) {
+    faults.push_back(fmt::format("the kernel dropped {} datagrams{}",
+                                 now.num_dropped,
+                                 now.LossAdvice()));
   }
   return fmt::format("{}", fmt::join(faults, "; "));
 }
@@ -463,7 +278,7 @@ status_t LcmBus::MakeStatus() {
     num_datagrams_warned_ = now.num_dropped;
     Warn(fmt::format("the kernel dropped {} datagrams so far{}",
                      now.num_dropped,
-                     LossAdvice()));
+                     now.LossAdvice()));
   }
   status_t status = CountingBus::MakeStatus();
   status.utime = newest_utime_ != 0 ? newest_utime_ : published_utime_;

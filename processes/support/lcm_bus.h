@@ -2,10 +2,9 @@
 #pragma once
 
 #include "processes/support/counting_bus.h"
+#include "processes/support/lcm_connection.h"
 #include "processes/support/mailbox.h"
 #include "processes/support/mutex.h"
-
-#include <lcm/lcm.h>
 
 #include <chrono>
 #include <cstddef>
@@ -65,34 +64,24 @@ class LcmBus final : public CountingBus {
 
   [[nodiscard]] bool is_offline() const override { return false; }
 
-  // Bytes that the kernel holds for this process (what it grants is twice
-  // what was asked for), and datagrams that it dropped since they did not fit.
-  // 0 where the transport is not UDP.
-  struct Socket {
-    std::int64_t wanted_bytes = 0;
-    std::int64_t granted_bytes = 0;
-    std::int64_t num_waiting_bytes = 0;  // Not read by LCM's thread yet.
-    std::int64_t num_dropped = 0;
-  };
-  [[nodiscard]] Socket socket() const;
+  using Socket = LcmConnection::Socket;
+  [[nodiscard]] Socket socket() const { return lcm_.socket(); }
 
  protected:
   void SubscribeRaw(Subscription subscription) override;
   void PublishRaw(std::string_view channel,
                   std::span<const std::uint8_t> data,
                   Time utime) override;
-  [[nodiscard]] std::string LossAdvice() const override;
+  [[nodiscard]] std::string LossAdvice() const override {
+    return socket().LossAdvice();
+  }
 
  private:
   using Steady = std::chrono::steady_clock;
   // One channel at LCM; several subscriptions may share it.
   struct Route {
-    LcmBus* bus = nullptr;
     std::string channel;
     std::vector<std::size_t> subscriptions;
-  };
-  struct LcmCloser {
-    void operator()(lcm_t* lcm) const;
   };
 
   void Receive();
@@ -105,16 +94,12 @@ class LcmBus final : public CountingBus {
   [[nodiscard]] std::string Faults();
   void Wake();
 
-  std::string url_;
-  int port_ = 0;
-  std::int64_t wanted_bytes_ = 0;
-  int socket_fd_ = -1;  // LCM's own receiving socket.
   int wake_fd_ = -1;
   int stop_fd_ = -1;
   std::string host_;
-  std::unique_ptr<lcm_t, LcmCloser> lcm_;
   std::vector<std::unique_ptr<Route>> routes_;
   Mailbox mailbox_;
+  LcmConnection lcm_;
 
   Steady::duration worst_handler_{0};
   std::int64_t newest_utime_ = 0;     // Of those handled.
