@@ -99,27 +99,6 @@ void PublishTheRest(LcmBus* bus, int tick) {
 // Whether the receiver may read while an image is being sent.
 enum class Reader { kFree, kStarved };
 
-// Binds this thread, and those it starts, to its first processor for as long as
-// it lives.
-class OneProcessor {
- public:
-  OneProcessor() {
-    ::sched_getaffinity(0, sizeof(before_), &before_);
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    int first = 0;
-    while (!CPU_ISSET(first, &before_)) ++first;
-    CPU_SET(first, &one);
-    ::sched_setaffinity(0, sizeof(one), &one);
-  }
-  ~OneProcessor() { ::sched_setaffinity(0, sizeof(before_), &before_); }
-  OneProcessor(const OneProcessor&) = delete;
-  OneProcessor& operator=(const OneProcessor&) = delete;
-
- private:
-  cpu_set_t before_;
-};
-
 // The sending process: streams until `seconds` have passed. On the receiver's
 // only processor and above its priority, a starving sender puts a whole image
 // into the receive buffer before anything is read.

@@ -22,6 +22,20 @@ bool NetworkTest::SetReceiveBufferLimit(std::int64_t num_bytes) {
   return false;
 }
 
+OneProcessor::OneProcessor() {
+  ::sched_getaffinity(0, sizeof(before_), &before_);
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  int first = 0;
+  while (!CPU_ISSET(first, &before_)) ++first;
+  CPU_SET(first, &one);
+  ::sched_setaffinity(0, sizeof(one), &one);
+}
+
+OneProcessor::~OneProcessor() {
+  ::sched_setaffinity(0, sizeof(before_), &before_);
+}
+
 }  // namespace waymark
 
 // As test_main.cc, but first, while there is one thread, into the namespace.

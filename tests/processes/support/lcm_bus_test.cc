@@ -8,12 +8,19 @@
 #include <waymark/encoders_t.hpp>
 #include <waymark/truth_t.hpp>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <fstream>
 #include <functional>
+#include <iterator>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -42,6 +49,33 @@ void HandleUntil(LcmBus* bus, const std::function<bool()>& done) {
     pollfd wait{bus->wake_fd(), POLLIN, 0};
     ::poll(&wait, 1, 100);
   }
+}
+
+// Holds the bus's receiving thread where it wakes the handlers: the descriptor
+// for that is full, and a write to it waits.
+class HeldReceiver {
+ public:
+  explicit HeldReceiver(const LcmBus& bus) : fd_(bus.wake_fd()) {
+    ::fcntl(fd_, F_SETFL, ::fcntl(fd_, F_GETFL) & ~O_NONBLOCK);
+    const std::uint64_t full = std::numeric_limits<std::uint64_t>::max() - 1;
+    EXPECT_EQ(::write(fd_, &full, sizeof(full)), ssize_t{sizeof(full)});
+  }
+  void Release() const {
+    ::fcntl(fd_, F_SETFL, ::fcntl(fd_, F_GETFL) | O_NONBLOCK);
+    std::uint64_t count = 0;
+    EXPECT_EQ(::read(fd_, &count, sizeof(count)), ssize_t{sizeof(count)});
+  }
+
+ private:
+  int fd_;
+};
+
+// Whether a thread of this process waits for something.
+bool IsAsleep(pid_t thread) {
+  std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/stat");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const std::size_t name_end = text.rfind(')');
+  return name_end != std::string::npos && text.substr(name_end, 3) == ") S";
 }
 
 TEST(LcmBus, HandlesInOrderOfArrivalAcrossSubscriptions) {
@@ -205,6 +239,35 @@ TEST(LcmBus, MisuseIsRefused) {
   EXPECT_THROW(bus.Subscribe<encoders_t>(
                    "A", Keep::All(), [](const encoders_t&, Time) {}),
                std::logic_error);
+}
+
+TEST(LcmBus, HandsOnAllThatLcmHeldWhenTheEndIsAskedFor) {
+  constexpr int kNum = 100;
+  LcmBus bus("test", "memq://");
+  std::vector<int> seen;
+  std::vector<int> expected;
+  bus.Advertise<encoders_t>("A");
+  bus.Subscribe<encoders_t>(
+      "A", Keep::All(), [&](const auto& m, Time) { seen.push_back(m.seq); });
+  const HeldReceiver held(bus);
+  for (int i = 0; i < kNum; ++i) {
+    bus.Publish("A", Encoders(i));
+    expected.push_back(i);
+  }
+  bus.Start();  // It comes as far as the first message.
+  std::atomic<pid_t> stopper{0};
+  std::thread stop([&] {
+    stopper = ::gettid();
+    bus.Stop();
+  });
+  // The one thing that Stop() waits for is the receiver's end, which it has
+  // asked for by then.
+  while (stopper == 0 || !IsAsleep(stopper)) std::this_thread::yield();
+  held.Release();
+  stop.join();
+  while (bus.HandleOne()) {
+  }
+  EXPECT_EQ(seen, expected);
 }
 
 TEST(LcmBus, StopsWhileMessagesCome) {
