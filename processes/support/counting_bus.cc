@@ -154,6 +154,7 @@ void CountingBus::SetArrivals(std::size_t subscription,
 
 status_t CountingBus::MakeStatus() {
   status_t status{};
+  status.utime = event_utime();
   status.process = process_;
   status.num_published = num_published_;
   status.fault = fault_;

@@ -38,9 +38,11 @@ class CountingBus : public Bus {
                                       std::span<const std::uint8_t> data,
                                       std::int64_t arrival);
 
-  // Counts, fault and name; the caller fills in what it knows of time, host
-  // and sequence. Subscriptions of the runner itself are left out.
+  // Counts, fault, name and event time; the caller fills in what it knows of
+  // host and sequence. Subscriptions of the runner itself are left out.
   [[nodiscard]] virtual status_t MakeStatus();
+  // The newest time that this bus knows of, 0 where it knows none.
+  [[nodiscard]] virtual std::int64_t event_utime() const { return 0; }
 
   [[nodiscard]] const std::string& process() const { return process_; }
   [[nodiscard]] const std::vector<Subscription>& subscriptions() const {

@@ -281,7 +281,6 @@ status_t LcmBus::MakeStatus() {
                      now.LossAdvice()));
   }
   status_t status = CountingBus::MakeStatus();
-  status.utime = newest_utime_ != 0 ? newest_utime_ : published_utime_;
   status.host = host_;
   status.pid = ::getpid();
   status.num_datagrams_dropped = now.num_dropped;

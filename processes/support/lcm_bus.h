@@ -61,6 +61,10 @@ class LcmBus final : public CountingBus {
   // With host, pid, times, and what this bus knows of loss; the worst handler
   // time starts anew.
   [[nodiscard]] status_t MakeStatus() override;
+  // Of the messages handled, else of the one published last.
+  [[nodiscard]] std::int64_t event_utime() const override {
+    return newest_utime_ != 0 ? newest_utime_ : published_utime_;
+  }
 
   [[nodiscard]] bool is_offline() const override { return false; }
 

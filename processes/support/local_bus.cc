@@ -19,6 +19,7 @@ class LocalBus::Process final : public CountingBus {
 
   [[nodiscard]] bool is_offline() const override { return true; }
   [[nodiscard]] status_t MakeStatus() override;
+  [[nodiscard]] std::int64_t event_utime() const override;
 
   void OnArrival(const RawMessage& message, const Mailbox::Bytes& data);
 
@@ -118,6 +119,10 @@ void LocalBus::Process::PublishRaw(std::string_view channel,
                 {std::string(channel), {data.begin(), data.end()}, {}});
 }
 
+std::int64_t LocalBus::Process::event_utime() const {
+  return Microseconds(world_->now);
+}
+
 status_t LocalBus::Process::MakeStatus() {
   status_t status = CountingBus::MakeStatus();
   status.num_received = 0;
@@ -128,7 +133,6 @@ status_t LocalBus::Process::MakeStatus() {
     status.num_received += counts.num_arrived;
     status.num_dropped += counts.num_dropped;
   }
-  status.utime = Microseconds(world_->now);
   return status;
 }
 

@@ -35,7 +35,7 @@ void StatusReporter::Report(Duration now) {
 void StatusReporter::ReportConfiguration(Duration now) {
   last_configuration_ = now;
   config_t message;
-  message.utime = bus_->is_offline() ? now.count() : bus_->MakeStatus().utime;
+  message.utime = bus_->is_offline() ? now.count() : bus_->event_utime();
   message.seq = configuration_seq_++;
   message.process = bus_->process();
   message.version = WAYMARK_VERSION;

@@ -4,7 +4,9 @@
 
 #include "processes/support/channels.h"
 #include "processes/support/input_error.h"
+#include "processes/support/status_reporter.h"
 
+#include <waymark/config_t.hpp>
 #include <waymark/encoders_t.hpp>
 #include <waymark/truth_t.hpp>
 
@@ -225,6 +227,32 @@ TEST(LcmBus, WorstHandlerTimeStartsAnewWithEachStatus) {
   HandleUntil(&bus, [&] { return num_handled == 1; });
   EXPECT_GE(bus.MakeStatus().worst_handler_us, 20'000);
   EXPECT_LT(bus.MakeStatus().worst_handler_us, 20'000);
+}
+
+TEST(LcmBus, ConfigurationTakesNothingFromTheStatusBesideIt) {
+  LcmBus bus("test", "memq://");
+  std::vector<status_t> statuses;
+  std::vector<std::int64_t> configuration_utimes;
+  bus.Advertise<encoders_t>("A");
+  bus.Subscribe<encoders_t>("A", Keep::All(), [](const auto&, Time) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  });
+  bus.Subscribe<status_t>(kStatus, Keep::All(), [&](const status_t& m, Time) {
+    statuses.push_back(m);
+  });
+  bus.Subscribe<config_t>(kConfig, Keep::All(), [&](const config_t& m, Time) {
+    configuration_utimes.push_back(m.utime);
+  });
+  bus.Start();
+  bus.Publish("A", Encoders(7));
+  while (!bus.HandleOne()) {
+  }
+  StatusReporter reporter(&bus, "");
+  reporter.Report(std::chrono::seconds(1));  // Both are due.
+  HandleUntil(&bus, [&] { return !statuses.empty(); });
+  EXPECT_GE(statuses[0].worst_handler_us, 20'000);
+  EXPECT_EQ(statuses[0].utime, Encoders(7).utime);
+  EXPECT_THAT(configuration_utimes, ElementsAre(Encoders(7).utime));
 }
 
 TEST(LcmBus, MisuseIsRefused) {
