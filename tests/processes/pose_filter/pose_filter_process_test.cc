@@ -1,97 +1,25 @@
 #include "processes/pose_filter/pose_filter_process.h"
 
 #include "processes/convert/odometry_convert.h"
-#include "processes/pose_filter/parameter_file.h"
 #include "processes/support/channels.h"
-#include "processes/support/input_error.h"
-#include "processes/support/local_bus.h"
-#include "tests/support/odometry_scene.h"
+#include "tests/processes/pose_filter/pose_filter_world.h"
 
 #include <waymark/bot_pose_t.hpp>
 #include <waymark/pose_t.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <cstdint>
 #include <limits>
-#include <memory>
 #include <string>
 #include <vector>
 
 namespace waymark {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
-
-OdometryScene Scene(double duration_s = 20) {
-  OdometrySceneOptions options;
-  options.drive.rate_hz = 20;
-  options.drive.duration_s = duration_s;
-  return MakeOdometryScene(options);
-}
-
-PoseFilterConfig Config() {
-  PoseFilterConfig config;
-  config.nominal = {1e-4, 1e-4, 0.27};
-  config.nominal_sigma = {0.02, 0.02, 0.05};
-  config.wheel_variance = 1e-5;
-  config.base_variance = 1e-7;
-  config.start_position = {0, 0};
-  return config;
-}
-
-status_t StatusOf(const LocalBus& world) {
-  return world.Status("pose_filter");
-}
-
-std::int64_t BadOf(const LocalBus& world, std::string_view channel) {
-  for (const channel_status_t& c : StatusOf(world).channels) {
-    if (c.channel == channel) return c.num_bad;
-  }
-  return -1;
-}
-
-// A world with the process in it.
-struct World {
-  explicit World(const PoseFilterConfig& config)
-      : process(config, bus.AddProcess("pose_filter")) {}
-  void Publish(const OdometryScene& scene, double fix_delay_s = 0) {
-    for (const EncoderReading& reading : scene.readings) {
-      bus.Publish(kEncoders, ToMessage(reading, 0, false));
-    }
-    for (const AbsoluteFix& fix : scene.fixes) {
-      bus.PublishAt(fix.time + DurationFromSeconds(fix_delay_s),
-                    kPositionFix,
-                    ToMessage(fix));
-    }
-  }
-  void Run() {
-    bus.Run();
-    process.Finish();
-    bus.Run();
-  }
-  template <typename M>
-  std::vector<M> Messages(std::string_view channel) const {
-    return bus.Messages<M>(channel);
-  }
-  LocalBus bus;
-  PoseFilterProcess process;
-};
-
-template <typename M>
-std::vector<std::vector<std::uint8_t>> Bytes(const World& world,
-                                             std::string_view channel) {
-  std::vector<std::vector<std::uint8_t>> all;
-  for (const RawMessage& raw : world.bus.recording()) {
-    if (raw.channel == channel) all.push_back(raw.data);
-  }
-  return all;
-}
 
 TEST(PoseFilterProcess, PublishesEverythingPerReading) {
   const OdometryScene scene = Scene();
@@ -132,11 +60,10 @@ TEST(PoseFilterProcess, SettledBytesDoNotDependOnArrival) {
   World late(Config());
   late.Publish(scene, 1.9);
   late.Run();
-  EXPECT_EQ(Bytes<pose_t>(in_order, kPoseSettled),
-            Bytes<pose_t>(late, kPoseSettled));
-  EXPECT_EQ(Bytes<odometry_parameters_t>(in_order, kOdometryParameters),
-            Bytes<odometry_parameters_t>(late, kOdometryParameters));
-  EXPECT_NE(Bytes<pose_t>(in_order, kPose), Bytes<pose_t>(late, kPose));
+  EXPECT_EQ(Bytes(in_order, kPoseSettled), Bytes(late, kPoseSettled));
+  EXPECT_EQ(Bytes(in_order, kOdometryParameters),
+            Bytes(late, kOdometryParameters));
+  EXPECT_NE(Bytes(in_order, kPose), Bytes(late, kPose));
 }
 
 TEST(PoseFilterProcess, TooLateIsCountedAndNothingElseIsLost) {
@@ -269,22 +196,32 @@ TEST(PoseFilterProcess, SixteenBitCountersWrap) {
   }
   wrapped.Run();
   EXPECT_GT(scene.readings.back().right, 65536);
-  EXPECT_EQ(Bytes<pose_t>(plain, kPoseSettled),
-            Bytes<pose_t>(wrapped, kPoseSettled));
+  EXPECT_EQ(Bytes(plain, kPoseSettled), Bytes(wrapped, kPoseSettled));
+}
+
+PoseFilterConfig BatchConfig() {
+  PoseFilterConfig config = Config();
+  config.use = ParameterUse::kBatch;
+  return config;
+}
+
+// As batch_refiner sends them: both wheels `scale` times their true size.
+OdometryParameters BatchParameters(Time time, double scale) {
+  OdometryParameters batch;
+  batch.time = time;
+  batch.source = "batch";
+  batch.parameters = {scale * 1e-4, scale * 1e-4, 0.27};
+  batch.covariance = Eigen::Vector3d(1e-14, 1e-14, 1e-8).asDiagonal();
+  return batch;
 }
 
 TEST(PoseFilterProcess, BatchParametersTakeEffectOneWindowLater) {
   const OdometryScene scene = Scene();
-  PoseFilterConfig config = Config();
-  config.use = ParameterUse::kBatch;
-  OdometryParameters batch;
-  batch.time = scene.readings[100].time;
-  batch.source = "batch";
-  batch.parameters = {1.02e-4, 1.02e-4, 0.27};
-  batch.covariance = Eigen::Vector3d(1e-14, 1e-14, 1e-8).asDiagonal();
+  const OdometryParameters batch =
+      BatchParameters(scene.readings[100].time, 1.02);
   std::vector<std::vector<std::uint8_t>> first;
   for (const double delay_s : {0.1, 1.7}) {
-    World world(config);
+    World world(BatchConfig());
     world.Publish(scene);
     world.bus.PublishAt(batch.time + DurationFromSeconds(delay_s),
                         kOdometryParameters,
@@ -294,8 +231,8 @@ TEST(PoseFilterProcess, BatchParametersTakeEffectOneWindowLater) {
     const auto settled = world.Messages<pose_t>(kPoseSettled);
     EXPECT_NEAR(settled[139].velocity_R[0], 0.4, 0.003);
     EXPECT_NEAR(settled[142].velocity_R[0], 0.408, 0.003);
-    if (first.empty()) first = Bytes<pose_t>(world, kPoseSettled);
-    EXPECT_EQ(Bytes<pose_t>(world, kPoseSettled), first);
+    if (first.empty()) first = Bytes(world, kPoseSettled);
+    EXPECT_EQ(Bytes(world, kPoseSettled), first);
     // Nothing is estimated online, so nothing is said.
     EXPECT_EQ(world.Messages<odometry_parameters_t>(kOdometryParameters).size(),
               1u);
@@ -352,32 +289,25 @@ TEST(PoseFilterProcess, RelativeMotionsTeachTheWheels) {
     EXPECT_NEAR(
         learned.wheel_base, 0.27, 4.0 * std::sqrt(learned.covariance[8]));
     EXPECT_GT(learned.observability[0], 0.8);
-    if (first.empty()) first = Bytes<pose_t>(world, kPoseSettled);
-    EXPECT_EQ(Bytes<pose_t>(world, kPoseSettled), first);
+    if (first.empty()) first = Bytes(world, kPoseSettled);
+    EXPECT_EQ(Bytes(world, kPoseSettled), first);
   }
 }
 
 // What batch_refiner says while it has no answer yet.
 TEST(PoseFilterProcess, BatchThatHasNoAnswerIsNotAdopted) {
   const OdometryScene scene = Scene();
-  PoseFilterConfig config = Config();
-  config.use = ParameterUse::kBatch;
-  OdometryParameters none;
-  none.time = scene.readings[100].time;
-  none.source = "batch";
+  OdometryParameters none = BatchParameters(scene.readings[100].time, 2.0);
   none.is_known = false;
   none.reason = "the wheels travelled 0 m, less than 0.2 m";
-  none.parameters = {2e-4, 2e-4, 0.27};
-  none.covariance = Eigen::Vector3d(1e-14, 1e-14, 1e-8).asDiagonal();
-  World plain(config);
+  World plain(BatchConfig());
   plain.Publish(scene);
   plain.Run();
-  World world(config);
+  World world(BatchConfig());
   world.Publish(scene);
   world.bus.Publish(kOdometryParameters, ToMessage(none, 0));
   world.Run();
-  EXPECT_EQ(Bytes<pose_t>(world, kPoseSettled),
-            Bytes<pose_t>(plain, kPoseSettled));
+  EXPECT_EQ(Bytes(world, kPoseSettled), Bytes(plain, kPoseSettled));
   EXPECT_EQ(StatusOf(world.bus).num_bad, 0);
 }
 
@@ -408,145 +338,6 @@ TEST(PoseFilterProcess, SaysWhyThereAreNoParametersUntilThereAre) {
   EXPECT_EQ(online[0].wheel_base, 0.0);
   EXPECT_EQ(online[3].utime, Microseconds(nominal.time));
   EXPECT_EQ(online[3].wheel_base, 0.27);
-}
-
-class ParameterFileTest : public testing::Test {
- protected:
-  ParameterFileTest()
-      : folder_(std::filesystem::path(testing::TempDir()) /
-                ("pose_filter_" + std::to_string(::getpid()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~ParameterFileTest() override { std::filesystem::remove_all(folder_); }
-  [[nodiscard]] std::string Path() const { return folder_ / "wheels.yaml"; }
-  void Write(const std::string& text) const { std::ofstream(Path()) << text; }
-  [[nodiscard]] std::string Read() const {
-    std::ifstream file(Path());
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  [[nodiscard]] std::string ErrorOf(PoseFilterConfig config) const {
-    try {
-      LocalBus bus;
-      const PoseFilterProcess process(config, bus.AddProcess("pose_filter"));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
-  }
-  std::filesystem::path folder_;
-};
-
-TEST_F(ParameterFileTest, LearnedParametersAreReloaded) {
-  PoseFilterConfig config = Config();
-  config.parameters_file = Path();
-  // Wheels 2 % off.
-  config.nominal = {1.02e-4, 1e-4, 0.27};
-  const OdometryScene scene = Scene(60);
-  World first(config);
-  first.Publish(scene);
-  first.Run();
-  const auto learned =
-      first.Messages<odometry_parameters_t>(kOdometryParameters).back();
-  const std::string saved = Read();
-  EXPECT_THAT(saved, HasSubstr("k_right"));
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
-
-  World second(config);
-  second.Publish(scene);
-  second.Run();
-  const auto started =
-      second.Messages<odometry_parameters_t>(kOdometryParameters).front();
-  EXPECT_NEAR(started.k_right, learned.k_right, 1e-8);
-  EXPECT_LT(std::abs(started.k_right - 1e-4), 0.3e-6);
-  // Dead reckoning stays nominal.
-  EXPECT_EQ(Bytes<pose_t>(first, kOdometry), Bytes<pose_t>(second, kOdometry));
-}
-
-TEST_F(ParameterFileTest, CorruptFileIsOneClearLine) {
-  PoseFilterConfig config = Config();
-  config.parameters_file = Path();
-  const auto expect = [&](const std::string& text, const char* part) {
-    Write(text);
-    const std::string error = ErrorOf(config);
-    EXPECT_THAT(error, AllOf(HasSubstr(Path()), HasSubstr(part))) << text;
-    EXPECT_EQ(error.find('\n'), std::string::npos);
-  };
-  expect("", "");
-  expect("k_right: [", "");
-  expect("k_right: -3\n", "k_right");
-  expect("k_rihgt: 3\n", "k_rihgt");
-  const std::string good =
-      "utime: 5\nk_right: 1e-4\nk_left: 1e-4\nwheel_base: 0.3\n"
-      "num_measurements: 3\ncovariance: ";
-  Write(good + "[1e-12, 0, 0, 0, 1e-12, 0, 0, 0, 1e-6]\n");
-  EXPECT_EQ(ErrorOf(config), "");
-  expect(good + "[1e-12, 0, 0]\n", "covariance");
-  expect(good + "[-1, 0, 0, 0, 1e-12, 0, 0, 0, 1e-6]\n", "variance -1");
-  expect(good + "[1, 2, 0, 0, 1, 0, 0, 0, 1]\n", "symmetric");
-  // No file is no error: the first run.
-  std::filesystem::remove(Path());
-  EXPECT_EQ(ErrorOf(config), "");
-}
-
-TEST_F(ParameterFileTest, MissingFolderIsRefusedAtTheStart) {
-  PoseFilterConfig config = Config();
-  config.parameters_file = folder_ / "absent" / "wheels.yaml";
-  EXPECT_THAT(ErrorOf(config),
-              AllOf(HasSubstr("absent/wheels.yaml: cannot be written: "),
-                    HasSubstr("No such file or directory")));
-}
-
-TEST_F(ParameterFileTest, PlaceThatVanishesIsReportedAndDrivingGoesOn) {
-  PoseFilterConfig config = Config();
-  config.parameters_file = folder_ / "absent" / "wheels.yaml";
-  std::filesystem::create_directory(folder_ / "absent");
-  const OdometryScene scene = Scene(60);
-  World world(config);
-  std::filesystem::remove(folder_ / "absent");
-  world.Publish(scene);
-  world.bus.Run();
-  EXPECT_THAT(StatusOf(world.bus).fault, HasSubstr("absent/wheels.yaml"));
-  EXPECT_TRUE(world.Messages<pose_t>(kPose).back().is_known);
-  EXPECT_THROW(world.process.Finish(), InputError);
-}
-
-// A device that is always full: the old file survives.
-TEST_F(ParameterFileTest, FullDiskLeavesTheOldFile) {
-  std::filesystem::create_symlink("/dev/full", Path() + ".new");
-  Write("old");
-  OdometryParameters parameters;
-  parameters.time = TimeFromMicroseconds(4);
-  parameters.parameters = {1e-4, 1e-4, 0.3};
-  EXPECT_THROW(SaveParameterFile(Path(), parameters), InputError);
-  EXPECT_EQ(Read(), "old");
-}
-
-TEST(PoseFilterConfig, RefusesWhatCannotWork) {
-  const auto refused = [](auto spoil) -> std::string {
-    PoseFilterConfig config;
-    spoil(&config);
-    try {
-      config.Check();
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(refused([](auto*) {}), "");
-  EXPECT_THAT(refused([](auto* c) {
-                c->nominal = {1, -1, 1};
-              }),
-              HasSubstr("wheels.nominal"));
-  EXPECT_THAT(refused([](auto* c) {
-                c->nominal_sigma = {1, 0, 1};
-              }),
-              HasSubstr("wheels.nominal_sigma"));
-  EXPECT_THAT(refused([](auto* c) { c->gate.prior_regular = 0.9; }),
-              HasSubstr("gate.prior_regular"));
-  EXPECT_THAT(refused([](auto* c) { c->walk_per_sqrt_metre[1] = -1; }),
-              HasSubstr("walk"));
-  EXPECT_THAT(refused([](auto* c) { c->alignment.max_fixes = 4; }),
-              HasSubstr("alignment.max_fixes"));
 }
 
 }  // namespace
