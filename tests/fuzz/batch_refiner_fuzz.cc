@@ -34,7 +34,6 @@ BatchRefinerConfig ConfigOf(std::uint8_t choice) {
   return config;
 }
 
-// Its own answers among the inputs would pass for what it publishes.
 bool IsAnswer(const StreamMessage& message) {
   if (message.channel != kOdometryParameters) return false;
   const auto parameters = DecodeMessage<odometry_parameters_t>(message.data);
@@ -67,13 +66,7 @@ void RunOne(Bytes data) {
   LocalBus world;
   BatchRefinerProcess process(ConfigOf(data[0]),
                               world.AddProcess("batch_refiner"));
-  std::int64_t arrival = 1'000'000'000;
-  for (StreamMessage& message : ReadStream(data.subspan(1))) {
-    if (IsAnswer(message)) continue;
-    world.PublishBytesAt(TimeFromMicroseconds(arrival += 1000),
-                         message.channel,
-                         std::move(message.data));
-  }
+  PublishStream(data.subspan(1), IsAnswer, &world);
   world.Run();
   process.Finish();
   world.Run();

@@ -2,7 +2,6 @@
 // JSON, without an exception.
 #include "logs/evaluation/evaluation_text.h"
 #include "logs/evaluation/log_evaluation.h"
-#include "processes/support/log_file.h"
 #include "tests/fuzz/message_stream.h"
 
 #include <nlohmann/json.hpp>
@@ -13,14 +12,7 @@ namespace waymark::fuzz {
 
 void RunOne(Bytes data) {
   const std::string path = ScratchFolder() + "/evaluated.lcm";
-  LogWriter writer(path, IfExists::kReplace);
-  std::int64_t utime = 1'000'000'000;
-  for (const StreamMessage& message : ReadStream(data)) {
-    writer.Write(TimeFromMicroseconds(utime), message.channel, message.data);
-    utime += 1000;
-  }
-  writer.Close();
-  if (writer.num_events() == 0) return;
+  if (WriteStreamLog(data, path) == 0) return;
   TakesOrRefuses([&] {
     const std::array<std::string, 1> paths = {path};
     const LogEvaluation evaluation =

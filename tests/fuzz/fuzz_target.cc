@@ -55,6 +55,16 @@ std::vector<Bytes> Split(Bytes data, std::size_t max_parts) {
   return parts;
 }
 
+std::vector<std::uint8_t> WithFingerprint(std::uint64_t fingerprint,
+                                          Bytes body) {
+  std::vector<std::uint8_t> data;
+  for (int shift = 56; shift >= 0; shift -= 8) {
+    data.push_back(static_cast<std::uint8_t>(fingerprint >> shift));
+  }
+  data.insert(data.end(), body.begin(), body.end());
+  return data;
+}
+
 MemoryFile::MemoryFile(Bytes content)
     : descriptor_(memfd_create("fuzz", 0)),
       path_("/proc/self/fd/" + std::to_string(descriptor_)) {

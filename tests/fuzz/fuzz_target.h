@@ -39,6 +39,10 @@ Bytes AsBytes(std::string_view text);
 // text); always that many, the missing ones empty.
 std::vector<Bytes> Split(Bytes data, std::size_t max_parts);
 
+// A message as LCM sends it: its fingerprint (big endian), then `body`.
+std::vector<std::uint8_t> WithFingerprint(std::uint64_t fingerprint,
+                                          Bytes body);
+
 // A file in memory with the given content.
 class MemoryFile {
  public:

@@ -41,14 +41,7 @@ void RunOne(Bytes data) {
   if (data.empty()) return;
   if (data[0] % 2 == 0) return RunFile(WriteScratch("a.lcm", data.subspan(1)));
   const std::string path = ScratchFolder() + "/b.lcm";
-  LogWriter writer(path, IfExists::kReplace);
-  std::int64_t utime = 1'000'000'000;
-  for (const StreamMessage& message : ReadStream(data.subspan(1))) {
-    writer.Write(TimeFromMicroseconds(utime), message.channel, message.data);
-    utime += 1000;
-  }
-  writer.Close();
-  if (writer.num_events() > 0) RunFile(path);
+  if (WriteStreamLog(data.subspan(1), path) > 0) RunFile(path);
 }
 
 std::vector<std::string> Seeds() {
@@ -56,13 +49,7 @@ std::vector<std::string> Seeds() {
   for (const std::string& stream : StreamSeeds()) {
     seeds.push_back("\x01" + stream);
     const std::string path = ScratchFolder() + "/seed.lcm";
-    LogWriter writer(path, IfExists::kReplace);
-    std::int64_t utime = 1'000'000'000;
-    for (const StreamMessage& message : ReadStream(AsBytes(stream))) {
-      writer.Write(
-          TimeFromMicroseconds(utime += 1000), message.channel, message.data);
-    }
-    writer.Close();
+    WriteStreamLog(AsBytes(stream), path);
     std::ifstream file(path, std::ios::binary);
     seeds.push_back(std::string(1, '\0') +
                     std::string(std::istreambuf_iterator<char>(file), {}));

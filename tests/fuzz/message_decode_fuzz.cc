@@ -14,16 +14,6 @@
 namespace waymark::fuzz {
 namespace {
 
-std::vector<std::uint8_t> WithFingerprint(std::uint64_t fingerprint,
-                                          Bytes body) {
-  std::vector<std::uint8_t> data;
-  for (int shift = 56; shift >= 0; shift -= 8) {
-    data.push_back(static_cast<std::uint8_t>(fingerprint >> shift));
-  }
-  data.insert(data.end(), body.begin(), body.end());
-  return data;
-}
-
 template <typename M>
 std::vector<std::uint8_t> Encode(const M& message) {
   std::vector<std::uint8_t> data(

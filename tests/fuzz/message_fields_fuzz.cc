@@ -32,16 +32,6 @@ const std::map<std::uint64_t, Accepts>& Generated() {
   return accepts;
 }
 
-std::vector<std::uint8_t> WithFingerprint(std::uint64_t fingerprint,
-                                          Bytes body) {
-  std::vector<std::uint8_t> data;
-  for (int shift = 56; shift >= 0; shift -= 8) {
-    data.push_back(static_cast<std::uint8_t>(fingerprint >> shift));
-  }
-  data.insert(data.end(), body.begin(), body.end());
-  return data;
-}
-
 }  // namespace
 
 void RunOne(Bytes data) {

@@ -1,6 +1,7 @@
 #include "tests/fuzz/message_stream.h"
 
 #include "processes/support/channels.h"
+#include "processes/support/log_file.h"
 
 #include <waymark/config_t.hpp>
 #include <waymark/encoders_t.hpp>
@@ -20,6 +21,8 @@ namespace waymark::fuzz {
 namespace {
 
 constexpr std::size_t kMaxMessages = 300;
+constexpr std::int64_t kStart = 1'000'000'000;  // us, as in the seeds.
+constexpr std::int64_t kPeriod = 1000;          // us.
 
 struct Channel {
   std::string_view name;
@@ -64,7 +67,7 @@ void Add(std::string_view channel, const M& message, std::string* stream) {
 
 void AddParameters(std::string* stream) {
   odometry_parameters_t parameters;
-  parameters.utime = 1'000'000'000;
+  parameters.utime = kStart;
   parameters.source = "nominal";
   parameters.is_known = 1;
   parameters.k_right = parameters.k_left = 1e-4;
@@ -76,14 +79,14 @@ void AddParameters(std::string* stream) {
 
 void AddStart(std::string* stream) {
   initial_pose_t start;
-  start.utime = 1'000'000'000;
+  start.utime = kStart;
   start.source = "recording";
   start.covariance[0] = start.covariance[4] = start.covariance[8] = 1e-4;
   Add(kInitialPose, start, stream);
 }
 
 void AddStep(int step, std::string* stream) {
-  const std::int64_t utime = 1'000'000'000 + 100'000 * step;
+  const std::int64_t utime = kStart + 100'000 * step;
   const double x = 0.05 * step;
   encoders_t encoders;
   encoders.utime = utime;
@@ -129,17 +132,37 @@ std::vector<StreamMessage> ReadStream(Bytes data) {
     const Channel& channel = Channels()[data[0] % Channels().size()];
     const std::size_t stated = static_cast<std::size_t>(data[1]) << 8 | data[2];
     const std::size_t size = std::min(stated, data.size() - 3);
-    StreamMessage message{channel.name, {}};
-    const auto fingerprint = static_cast<std::uint64_t>(channel.fingerprint);
-    for (int shift = 56; shift >= 0; shift -= 8) {
-      message.data.push_back(static_cast<std::uint8_t>(fingerprint >> shift));
-    }
-    const Bytes body = data.subspan(3, size);
-    message.data.insert(message.data.end(), body.begin(), body.end());
-    messages.push_back(std::move(message));
+    messages.push_back(
+        {channel.name,
+         WithFingerprint(static_cast<std::uint64_t>(channel.fingerprint),
+                         data.subspan(3, size))});
     data = data.subspan(3 + size);
   }
   return messages;
+}
+
+void PublishStream(Bytes data,
+                   const std::function<bool(const StreamMessage&)>& is_output,
+                   LocalBus* world) {
+  std::int64_t arrival = kStart;
+  for (StreamMessage& message : ReadStream(data)) {
+    if (is_output(message)) continue;
+    arrival += kPeriod;
+    world->PublishBytesAt(TimeFromMicroseconds(arrival),
+                          message.channel,
+                          std::move(message.data));
+  }
+}
+
+std::int64_t WriteStreamLog(Bytes data, const std::string& path) {
+  LogWriter writer(path, IfExists::kReplace);
+  std::int64_t utime = kStart;
+  for (const StreamMessage& message : ReadStream(data)) {
+    writer.Write(TimeFromMicroseconds(utime), message.channel, message.data);
+    utime += kPeriod;
+  }
+  writer.Close();
+  return writer.num_events();
 }
 
 std::vector<std::string> StreamSeeds() {

@@ -2,9 +2,11 @@
 // types on the right channels, with any content.
 #pragma once
 
+#include "processes/support/local_bus.h"
 #include "tests/fuzz/fuzz_target.h"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +22,16 @@ struct StreamMessage {
 // length (big endian), and the message without its fingerprint. The last one
 // may be cut short. At most 300.
 std::vector<StreamMessage> ReadStream(Bytes data);
+
+// Publishes the messages in `data`, one per millisecond, but for those that
+// would pass for what the process under test publishes.
+void PublishStream(Bytes data,
+                   const std::function<bool(const StreamMessage&)>& is_output,
+                   LocalBus* world);
+
+// Writes the messages in `data`, one per millisecond, into a log that replaces
+// what is at `path`. Returns how many they are.
+std::int64_t WriteStreamLog(Bytes data, const std::string& path);
 
 // A short drive: parameters, start, ticks, fixes, reference, estimates.
 std::vector<std::string> StreamSeeds();

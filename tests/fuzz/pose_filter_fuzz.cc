@@ -42,13 +42,10 @@ void RunOne(Bytes data) {
   if ((data[0] & 4) != 0) config.use = ParameterUse::kBatch;
   LocalBus world;
   PoseFilterProcess process(config, world.AddProcess("pose_filter"));
-  std::int64_t arrival = 1'000'000'000;
-  for (StreamMessage& message : ReadStream(data.subspan(1))) {
-    if (IsOutput(message.channel)) continue;
-    world.PublishBytesAt(TimeFromMicroseconds(arrival += 1000),
-                         message.channel,
-                         std::move(message.data));
-  }
+  const auto is_output = [](const StreamMessage& message) {
+    return IsOutput(message.channel);
+  };
+  PublishStream(data.subspan(1), is_output, &world);
   world.Run();
   process.Finish();
   world.Run();
