@@ -47,6 +47,21 @@ const std::array<Channel, 12>& Channels() {
   return channels;
 }
 
+std::vector<StreamMessage> ReadStream(Bytes data) {
+  std::vector<StreamMessage> messages;
+  while (data.size() >= 3 && messages.size() < kMaxMessages) {
+    const Channel& channel = Channels()[data[0] % Channels().size()];
+    const std::size_t stated = static_cast<std::size_t>(data[1]) << 8 | data[2];
+    const std::size_t size = std::min(stated, data.size() - 3);
+    messages.push_back(
+        {channel.name,
+         WithFingerprint(static_cast<std::uint64_t>(channel.fingerprint),
+                         data.subspan(3, size))});
+    data = data.subspan(3 + size);
+  }
+  return messages;
+}
+
 template <typename M>
 void Add(std::string_view channel, const M& message, std::string* stream) {
   std::vector<std::uint8_t> data(
@@ -125,21 +140,6 @@ void AddStep(int step, std::string* stream) {
 }
 
 }  // namespace
-
-std::vector<StreamMessage> ReadStream(Bytes data) {
-  std::vector<StreamMessage> messages;
-  while (data.size() >= 3 && messages.size() < kMaxMessages) {
-    const Channel& channel = Channels()[data[0] % Channels().size()];
-    const std::size_t stated = static_cast<std::size_t>(data[1]) << 8 | data[2];
-    const std::size_t size = std::min(stated, data.size() - 3);
-    messages.push_back(
-        {channel.name,
-         WithFingerprint(static_cast<std::uint64_t>(channel.fingerprint),
-                         data.subspan(3, size))});
-    data = data.subspan(3 + size);
-  }
-  return messages;
-}
 
 void PublishStream(Bytes data,
                    const std::function<bool(const StreamMessage&)>& is_output,

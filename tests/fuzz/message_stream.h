@@ -1,5 +1,9 @@
 // Hostile input as a process or an evaluation gets it: messages of the right
 // types on the right channels, with any content.
+//
+// Each message in a stream: one byte that chooses the channel, two with the
+// length (big endian), and the message without its fingerprint. The last one
+// may be cut short. At most 300 are read.
 #pragma once
 
 #include "processes/support/local_bus.h"
@@ -18,19 +22,14 @@ struct StreamMessage {
   std::vector<std::uint8_t> data;  // Fingerprint first.
 };
 
-// Each message in `data`: one byte that chooses the channel, two with the
-// length (big endian), and the message without its fingerprint. The last one
-// may be cut short. At most 300.
-std::vector<StreamMessage> ReadStream(Bytes data);
-
-// Publishes the messages in `data`, one per millisecond, but for those that
+// Publishes the messages in a stream, one per millisecond, but for those that
 // would pass for what the process under test publishes.
 void PublishStream(Bytes data,
                    const std::function<bool(const StreamMessage&)>& is_output,
                    LocalBus* world);
 
-// Writes the messages in `data`, one per millisecond, into a log that replaces
-// what is at `path`. Returns how many they are.
+// Writes the messages in a stream, one per millisecond, into a log that
+// replaces what is at `path`. Returns how many they are.
 std::int64_t WriteStreamLog(Bytes data, const std::string& path);
 
 // A short drive: parameters, start, ticks, fixes, reference, estimates.
