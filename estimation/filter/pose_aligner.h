@@ -44,7 +44,8 @@ struct Alignment {
 // at the path that the last iteration gave. So unlike in an EKF that starts
 // with an unknown heading, every Jacobian is taken near the solution. The
 // process noise of the wheels is part of the pass. At most a quarter of the
-// fixes may disagree; they are left out.
+// fixes may disagree; they are left out. Where they are so gross that good ones
+// look as faulty, there is no answer.
 //
 // Copyable, deterministic. Cost of Solve: some 10 ms for 40 fixes along 20 m
 // without heading measurements, a tenth with.

@@ -61,49 +61,6 @@ TEST(DriveParameters, FormsConvertAndTheirJacobiansMatchDifferences) {
   }
 }
 
-TEST(PredictFix, JacobianMatchesDifferencesInAnyFrame) {
-  Random random(7);
-  const auto draw = [&] {
-    return Pose2{random.Uniform(-3, 3),
-                 random.Uniform(-3, 3),
-                 random.Uniform(-kPi, kPi)};
-  };
-  for (int i = 0; i < 200; ++i) {
-    AbsoluteFix fix = FullFix();
-    fix.X_WF = draw();
-    fix.X_RS = draw();
-    const Pose2 X_WR = draw();
-    // Measured exactly here, so no residual, wherever the frames are.
-    fix.value = (Inverse(fix.X_WF) * X_WR * fix.X_RS).vector();
-    const FixPrediction prediction = PredictFix(fix, X_WR);
-    EXPECT_LT(prediction.residual.norm(), 1e-12);
-    for (int k = 0; k < 3; ++k) {
-      constexpr double kStep = 1e-6;
-      Eigen::Vector3d d = Eigen::Vector3d::Zero();
-      d(k) = kStep;
-      const FixVector numeric =
-          -(PredictFix(fix, Pose2::FromVector(X_WR.vector() + d)).residual -
-            PredictFix(fix, Pose2::FromVector(X_WR.vector() - d)).residual) /
-          (2 * kStep);
-      EXPECT_LT((numeric - prediction.d_pose.col(k)).norm(), 1e-8);
-    }
-  }
-}
-
-TEST(PredictFix, PartsAreRowsOfTheWhole) {
-  AbsoluteFix fix = FullFix();
-  fix.value = {1, 2, 0.5};
-  fix.X_RS = {0.3, 0.1, 0};
-  fix.covariance(0, 1) = fix.covariance(1, 0) = 1e-4;
-  const FixPrediction whole = PredictFix(fix, {0.2, 0.1, 0.4});
-  fix.has = {false, true, true};
-  const FixPrediction part = PredictFix(fix, {0.2, 0.1, 0.4});
-  ASSERT_EQ(part.residual.size(), 2);
-  EXPECT_EQ(part.residual(0), whole.residual(1));
-  EXPECT_EQ(part.d_pose.row(1), whole.d_pose.row(2));
-  EXPECT_EQ(part.covariance(0, 0), whole.covariance(1, 1));
-}
-
 // The filter's transition by the parameters, against differences.
 TEST(OdometryEkf, CovarianceOfAPredictionMatchesDifferences) {
   for (const ParameterForm form :
