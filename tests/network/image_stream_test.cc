@@ -4,6 +4,7 @@
 #include "processes/support/lcm_bus.h"
 #include "processes/support/lcm_url.h"
 #include "tests/network/network_test.h"
+#include "tests/network/stall_watch.h"
 
 #include <waymark/encoders_t.hpp>
 #include <waymark/image_t.hpp>
@@ -143,6 +144,7 @@ struct StreamResult {
   std::int64_t num_received = 0;
   std::int64_t num_unmatched = 0;  // Images whose bytes were not the sent ones.
   std::vector<std::int64_t> ages_us;
+  std::chrono::microseconds longest_stall{0};
   status_t status;
   std::string log;
 
@@ -187,11 +189,14 @@ StreamResult Stream(int bytes_per_pixel,
   bus.Subscribe<encoders_t>(kDone, Keep::All(), [&](const auto& m, Time) {
     num_done = m.left_ticks;
   });
+  std::optional<StallWatch>
+      stalls;  // After the fork: threads do not survive it.
   const pid_t sender = ::fork();
   if (sender == 0) {
     Send(bytes_per_pixel, seconds, reader);
     ::_exit(0);
   }
+  if (reader == Reader::kFree) stalls.emplace();
   bus.Start();
   const auto deadline = Steady::now() + std::chrono::seconds(seconds + 20);
   auto next_status = Steady::now();
@@ -205,6 +210,7 @@ StreamResult Stream(int bytes_per_pixel,
     ::poll(&wait, 1, 100);
   }
   ::waitpid(sender, nullptr, 0);
+  if (stalls) result.longest_stall = stalls->longest();
   result.num_sent = num_done;
   result.status = bus.MakeStatus();
   spdlog::default_logger()->flush();
@@ -212,14 +218,12 @@ StreamResult Stream(int bytes_per_pixel,
   return result;
 }
 
-void Print(const char* what, std::int64_t rmem_max, StreamResult* result) {
+void Print(const std::string& what, StreamResult* result) {
   std::printf(
-      "%s, rmem_max %lld: %lld of %lld images after joining at number %lld, "
-      "%lld messages lost in numbers, %lld dropped in the mailbox, %lld "
-      "datagrams dropped by the kernel; age median %.1f ms, p99 %.1f ms, worst "
-      "%.1f ms\n",
-      what,
-      static_cast<long long>(rmem_max),
+      "%s: %lld of %lld images after joining at number %lld, %lld messages "
+      "lost in numbers, %lld dropped in the mailbox, %lld datagrams dropped by "
+      "the kernel; age median %.1f ms, p99 %.1f ms, worst %.1f ms\n",
+      what.c_str(),
       static_cast<long long>(result->num_received),
       static_cast<long long>(result->num_sent -
                              std::max<std::int64_t>(result->first, 0)),
@@ -236,39 +240,53 @@ int Seconds() {
   return std::getenv("WAYMARK_LONG") != nullptr ? 60 : 10;
 }
 
-class ImageStreamTest : public NetworkTest {};
+// Images come every 33 ms, and the stock buffer holds one and a bit: where the
+// machine stood still for longer than this, nobody could have read in time.
+constexpr std::chrono::milliseconds kBearableStall{20};
+
+class ImageStreamTest : public NetworkTest {
+ protected:
+  // Nothing is lost; where the machine stood still meanwhile it is tried anew.
+  static void ExpectNoLoss(const std::string& what, int bytes_per_pixel) {
+    constexpr int kMaxAttempts = 4;
+    for (int i = 0; i < kMaxAttempts; ++i) {
+      StreamResult result = Stream(bytes_per_pixel, Seconds());
+      Print(what, &result);
+      std::printf("the machine stood still for %.1f ms at most\n",
+                  1e-3 * static_cast<double>(result.longest_stall.count()));
+      const bool has_loss = result.num_missing() != 0 ||
+                            result.status.num_lost != 0 ||
+                            result.status.num_datagrams_dropped != 0;
+      if (has_loss && result.longest_stall > kBearableStall) continue;
+      ASSERT_GE(result.first, 0);
+      // Joined at once: the receiver subscribed before the sender started.
+      EXPECT_LE(result.first, 1);
+      EXPECT_EQ(result.num_missing(), 0);
+      EXPECT_EQ(result.num_unmatched, 0);
+      EXPECT_EQ(result.status.num_lost, 0);
+      EXPECT_EQ(result.status.num_bad, 0);
+      EXPECT_EQ(result.status.num_datagrams_dropped, 0);
+      return;
+    }
+    GTEST_SKIP() << what << ": the machine stood still in each of "
+                 << kMaxAttempts << " attempts";
+  }
+};
 
 TEST_F(ImageStreamTest, GrayWithTheStockLimitLosesNothing) {
   if (!SetReceiveBufferLimit(kStockLimit)) return;
-  StreamResult result = Stream(1, Seconds());
-  Print("gray 640x480 at 30 Hz", kStockLimit, &result);
-  ASSERT_GE(result.first, 0);
-  // Joined at once: the receiver subscribed before the sender started.
-  EXPECT_LE(result.first, 1);
-  EXPECT_EQ(result.num_missing(), 0);
-  EXPECT_EQ(result.num_unmatched, 0);
-  EXPECT_EQ(result.status.num_lost, 0);
-  EXPECT_EQ(result.status.num_bad, 0);
-  EXPECT_EQ(result.status.num_datagrams_dropped, 0);
+  ExpectNoLoss("gray 640x480 at 30 Hz, rmem_max 212992", 1);
 }
 
 TEST_F(ImageStreamTest, ColourWithFourMebibytesLosesNothing) {
   if (!SetReceiveBufferLimit(4194304)) return;
-  StreamResult result = Stream(3, Seconds());
-  Print("colour 640x480 at 30 Hz", 4194304, &result);
-  ASSERT_GE(result.first, 0);
-  EXPECT_LE(result.first, 1);
-  EXPECT_EQ(result.num_missing(), 0);
-  EXPECT_EQ(result.num_unmatched, 0);
-  EXPECT_EQ(result.status.num_lost, 0);
-  EXPECT_EQ(result.status.num_datagrams_dropped, 0);
+  ExpectNoLoss("colour 640x480 at 30 Hz, rmem_max 4194304", 3);
 }
 
 TEST_F(ImageStreamTest, TooSmallBufferIsCountedAndSaysWhatToSet) {
   if (!SetReceiveBufferLimit(kStockLimit)) return;
   StreamResult result = Stream(3, 4, Reader::kStarved);
-  Print("colour 640x480 at 30 Hz, no reading while it is sent",
-        kStockLimit,
+  Print("colour 640x480 at 30 Hz, no reading while it is sent, rmem_max 212992",
         &result);
   EXPECT_LT(result.num_received, result.num_sent);
   EXPECT_GT(result.status.num_datagrams_dropped, 0);
