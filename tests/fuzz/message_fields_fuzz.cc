@@ -14,14 +14,14 @@ namespace waymark::fuzz {
 namespace {
 
 const SchemaSet& BuiltIn() {
-  static const SchemaSet set(BuiltInSchemaSources());
-  return set;
+  static const SchemaSet kSet(BuiltInSchemaSources());
+  return kSet;
 }
 
 using Accepts = bool (*)(Bytes);
 
 const std::map<std::uint64_t, Accepts>& Generated() {
-  static const std::map<std::uint64_t, Accepts> accepts = {
+  static const std::map<std::uint64_t, Accepts> kAccepts = {
 #define ACCEPTS(package, type)                                              \
   {static_cast<std::uint64_t>(::package::type::getHash()), [](Bytes data) { \
      return DecodeMessage<::package::type>(data).has_value();               \
@@ -29,7 +29,7 @@ const std::map<std::uint64_t, Accepts>& Generated() {
       WAYMARK_FOR_EACH_MESSAGE_TYPE(ACCEPTS)
 #undef ACCEPTS
   };
-  return accepts;
+  return kAccepts;
 }
 
 }  // namespace

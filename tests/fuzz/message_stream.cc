@@ -30,7 +30,7 @@ struct Channel {
 };
 
 const std::array<Channel, 12>& Channels() {
-  static const std::array<Channel, 12> channels = {{
+  static const std::array<Channel, 12> kChannels = {{
       {kEncoders, encoders_t::getHash()},
       {kPositionFix, position_fix_t::getHash()},
       {kRelativeMotion, relative_motion_t::getHash()},
@@ -44,7 +44,7 @@ const std::array<Channel, 12>& Channels() {
       {kConfig, config_t::getHash()},
       {kRanges, planar_lidar_t::getHash()},
   }};
-  return channels;
+  return kChannels;
 }
 
 std::vector<StreamMessage> ReadStream(Bytes data) {

@@ -64,12 +64,12 @@ struct World {
 
 // What it says of the plain drive, solved once for the tests that compare.
 const std::vector<odometry_parameters_t>& CleanAnswers() {
-  static const std::vector<odometry_parameters_t> answers = [] {
+  static const std::vector<odometry_parameters_t> kAnswers = [] {
     World world(Config());
     world.Play(Simulate());
     return world.Published();
   }();
-  return answers;
+  return kAnswers;
 }
 
 TEST(BatchRefinerProcess, PublishesBatchParametersEveryPeriod) {

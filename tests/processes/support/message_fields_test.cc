@@ -19,8 +19,8 @@ using testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 
 const SchemaSet& BuiltIn() {
-  static const SchemaSet set(BuiltInSchemaSources());
-  return set;
+  static const SchemaSet kSet(BuiltInSchemaSources());
+  return kSet;
 }
 
 SchemaSet Parse(const std::string& text) {

@@ -12,8 +12,8 @@ namespace {
 using testing::HasSubstr;
 
 const SchemaSet& BuiltIn() {
-  static const SchemaSet set(BuiltInSchemaSources());
-  return set;
+  static const SchemaSet kSet(BuiltInSchemaSources());
+  return kSet;
 }
 
 std::uint64_t FingerprintOfType(const std::string& name) {
@@ -46,7 +46,7 @@ TEST(MessageSchemaTest, FingerprintsEqualThoseOfLcmGen) {
 
 // Observed on the wire: libbot, and MAEBot recordings.
 TEST(MessageSchemaTest, FingerprintsOfOthers) {
-  const std::vector<std::pair<std::string, std::uint64_t>> kObserved = {
+  const std::vector<std::pair<std::string, std::uint64_t>> observed = {
       {"bot_core.image_t", 0x14739ffe13d5f5f0},
       {"bot_core.image_metadata_t", 0x9a4b634d0577fb8e},
       {"bot_core.images_t", 0x20ba4f05e8f5e33a},
@@ -75,7 +75,7 @@ TEST(MessageSchemaTest, FingerprintsOfOthers) {
       {"maebot.laser_t", 0x89dc5b879a5056cf},
       {"maebot.imu_t", 0xed966784146237ec},
   };
-  for (const auto& [name, fingerprint] : kObserved) {
+  for (const auto& [name, fingerprint] : observed) {
     EXPECT_EQ(FingerprintOfType(name), fingerprint) << name;
   }
 }
