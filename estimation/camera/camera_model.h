@@ -1,0 +1,27 @@
+// Any camera: rays from pixels, pixels from rays.
+#pragma once
+
+#include "estimation/camera/fisheye_camera.h"
+#include "estimation/camera/panorama_camera.h"
+#include "estimation/camera/perspective_camera.h"
+#include "estimation/camera/sphere_camera.h"
+
+#include <optional>
+#include <variant>
+
+namespace waymark {
+
+using CameraModel = std::
+    variant<PerspectiveCamera, FisheyeCamera, SphereCamera, PanoramaCamera>;
+
+// As the model's own; nullopt outside its valid domain.
+[[nodiscard]] std::optional<Projection> PixelFromRay(
+    const CameraModel& camera, const Eigen::Vector3d& point_C);
+[[nodiscard]] std::optional<BackProjection> RayFromPixel(
+    const CameraModel& camera, const Eigen::Vector2d& pixel);
+
+// True for pixels of the image, edges of its outermost pixels included.
+[[nodiscard]] bool IsInside(const ImageSize& size,
+                            const Eigen::Vector2d& pixel);
+
+}  // namespace waymark

@@ -1,0 +1,127 @@
+#include "processes/convert/camera_file.h"
+
+#include "estimation/camera/camera_parameters.h"
+#include "estimation/camera/pan_tilt_mount.h"
+#include "estimation/geometry/angle.h"
+#include "processes/support/configuration.h"
+#include "processes/support/input_error.h"
+
+#include <cmath>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+// Widest and highest image: what a message could still carry.
+constexpr std::int64_t kMaxPixels = 20000;
+
+struct Contents {
+  CameraKind kind = CameraKind::kPerspective;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  std::vector<double> values;  // Of ParameterNames(kind).
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+  double roll = 0.0;
+  double pitch = 0.0;
+  double yaw = 0.0;
+
+  void Describe(Describer& d) {
+    std::vector<std::pair<std::string, CameraKind>> kinds;
+    for (const CameraKind k : {CameraKind::kPerspective,
+                               CameraKind::kFisheye,
+                               CameraKind::kSphere,
+                               CameraKind::kPanorama}) {
+      kinds.emplace_back(NameOf(k), k);
+    }
+    d.Choice("model", &kind, kinds, "How rays become pixels");
+    d.Integer("width", &width, 1, kMaxPixels, "Of the image, px");
+    d.Integer("height", &height, 1, kMaxPixels, "Of the image, px");
+    const std::vector<std::string>& names = ParameterNames(kind);
+    values.resize(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      d.Number(names[i], &values[i], {}, i < 4 ? "px" : "Of the lens");
+    }
+    d.Group(
+        "mounting", [&] { DescribeMounting(d); }, "On the robot, X_RC");
+  }
+
+  void DescribeMounting(Describer& d) {
+    d.Number("x", &x, {-100.0, 100.0}, "Forward of the robot's origin, m");
+    d.Number("y", &y, {-100.0, 100.0}, "To the left, m");
+    d.Number("z", &z, {-100.0, 100.0}, "Up, m");
+    d.Degrees("roll_deg", &roll, {-180.0, 180.0}, "About the line of sight");
+    d.Degrees("pitch_deg", &pitch, {-90.0, 90.0}, "Downward");
+    d.Degrees("yaw_deg", &yaw, {-180.0, 180.0}, "To the left");
+  }
+};
+
+Eigen::Matrix3d TurnOf(double yaw, double pitch, double roll) {
+  return (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+CameraDescription CameraOf(const Contents& contents,
+                           const std::string& source) {
+  if (contents.width == 0 || contents.height == 0) {
+    throw InputError(source + ": width and height are missing");
+  }
+  CameraDescription camera;
+  camera.size = {static_cast<int>(contents.width),
+                 static_cast<int>(contents.height)};
+  try {
+    camera.model = CameraFromParameters(
+        contents.kind,
+        Eigen::Map<const Eigen::VectorXd>(
+            contents.values.data(),
+            static_cast<Eigen::Index>(contents.values.size())));
+  } catch (const std::invalid_argument& error) {
+    throw InputError(source + ": " + error.what());
+  }
+  camera.X_RC.linear() = TurnOf(contents.yaw, contents.pitch, contents.roll) *
+                         ForwardCameraRotation();
+  camera.X_RC.translation() << contents.x, contents.y, contents.z;
+  return camera;
+}
+
+}  // namespace
+
+CameraDescription LoadCameraFile(const std::string& path) {
+  Contents contents;
+  LoadConfigurationFile(path, [&](Describer& d) { contents.Describe(d); });
+  return CameraOf(contents, path);
+}
+
+CameraDescription CameraFromYaml(const std::string& yaml,
+                                 const std::string& source) {
+  Contents contents;
+  LoadConfigurationText(
+      yaml, source, [&](Describer& d) { contents.Describe(d); });
+  return CameraOf(contents, source);
+}
+
+std::string YamlOfCamera(const CameraDescription& camera) {
+  Contents contents;
+  contents.kind = KindOf(camera.model);
+  contents.width = camera.size.width;
+  contents.height = camera.size.height;
+  const Eigen::VectorXd values = ParametersOf(camera.model);
+  contents.values.assign(values.begin(), values.end());
+  contents.x = camera.X_RC.translation().x();
+  contents.y = camera.X_RC.translation().y();
+  contents.z = camera.X_RC.translation().z();
+  const Eigen::Matrix3d R =
+      camera.X_RC.linear() * ForwardCameraRotation().transpose();
+  contents.yaw = std::atan2(R(1, 0), R(0, 0));
+  contents.pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  contents.roll = std::atan2(R(2, 1), R(2, 2));
+  return PrintConfiguration([&](Describer& d) { contents.Describe(d); });
+}
+
+}  // namespace waymark

@@ -1,0 +1,99 @@
+#include "processes/convert/camera_file.h"
+
+#include "estimation/camera/camera_parameters.h"
+#include "estimation/camera/pan_tilt_mount.h"
+#include "estimation/geometry/angle.h"
+#include "processes/support/input_error.h"
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+std::string ErrorOf(const std::string& yaml) {
+  try {
+    (void)CameraFromYaml(yaml, "camera.yaml");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::vector<CameraModel> Models() {
+  const Intrinsics k{330.1, -331.7, 641.2, 522.6};
+  return {PerspectiveCamera({901.0, 905.0, 652.0, 498.0},
+                            {-0.21, 0.06, 8e-4, -5e-4, 1e-3}),
+          FisheyeCamera({352.0, 351.0, 633.0, 520.0},
+                        {0.03, -0.012, 0.004, -0.001}),
+          SphereCamera(0.96, k, {-0.05, 0.01}),
+          PanoramaCamera::WholeTurn({1024, 256}, 127.5)};
+}
+
+TEST(CameraFile, LoadsWhatWasWritten) {
+  for (const CameraModel& model : Models()) {
+    CameraDescription camera;
+    camera.model = model;
+    camera.size = {1280, 1024};
+    camera.X_RC.linear() = (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitY()) *
+                            Eigen::AngleAxisd(-0.1, Eigen::Vector3d::UnitX()))
+                               .toRotationMatrix() *
+                           ForwardCameraRotation();
+    camera.X_RC.translation() << 0.1, -0.02, 0.6;
+    const std::string yaml = YamlOfCamera(camera);
+    const CameraDescription loaded = CameraFromYaml(yaml, "x");
+    EXPECT_EQ(ParametersOf(loaded.model), ParametersOf(model)) << yaml;
+    EXPECT_EQ(loaded.model.index(), model.index());
+    EXPECT_EQ(loaded.size, camera.size);
+    EXPECT_LT((loaded.X_RC.matrix() - camera.X_RC.matrix()).norm(), 1e-14)
+        << yaml;
+  }
+}
+
+TEST(CameraFile, MountingIsAsItSays) {
+  const CameraDescription camera = CameraFromYaml(
+      "model: perspective\nwidth: 640\nheight: 480\nfx: 500\nfy: 500\n"
+      "cx: 320\ncy: 240\n"
+      "mounting:\n  z: 1.0\n  pitch_deg: 45.0\n  yaw_deg: 90.0\n",
+      "x");
+  // To the left and down by the same amount.
+  const Eigen::Vector3d sight = camera.X_RC.linear() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT(
+      (sight - Eigen::Vector3d(0.0, std::sqrt(0.5), -std::sqrt(0.5))).norm(),
+      1e-15);
+  // The camera's right is the robot's front.
+  EXPECT_LT((camera.X_RC.linear() * Eigen::Vector3d::UnitX() -
+             Eigen::Vector3d::UnitX())
+                .norm(),
+            1e-15);
+  EXPECT_EQ(camera.X_RC.translation(), Eigen::Vector3d(0.0, 0.0, 1.0));
+}
+
+TEST(CameraFile, BadOnesAreOneLine) {
+  const std::string good =
+      "model: sphere\nwidth: 640\nheight: 480\nfx: 300\nfy: -300\ncx: 320\n"
+      "cy: 240\nxi: 0.9\n";
+  EXPECT_EQ(ErrorOf(good), "no error");
+  EXPECT_THAT(ErrorOf(good + "k4: 0.1\n"), HasSubstr("k4"));
+  EXPECT_THAT(ErrorOf("model: pinhole\n"),
+              HasSubstr("perspective, fisheye, sphere, panorama"));
+  EXPECT_THAT(ErrorOf("model: sphere\nwidth: 640\nheight: 480\nxi: 0.9\n"),
+              HasSubstr("fx"));
+  EXPECT_THAT(ErrorOf("model: sphere\nfx: 1\nfy: 1\n"),
+              HasSubstr("width and height are missing"));
+  EXPECT_THAT(ErrorOf(good + "mounting:\n  pitch_deg: 120\n"),
+              HasSubstr("[-90, 90]"));
+  EXPECT_THAT(ErrorOf("width: 0\n"), HasSubstr("[1, 20000]"));
+  EXPECT_THAT(ErrorOf("fx: .nan\n"), HasSubstr("fx"));
+}
+
+}  // namespace
+}  // namespace waymark
