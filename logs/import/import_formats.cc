@@ -1,11 +1,11 @@
 #include "logs/import/import_formats.h"
 
+#include "estimation/base/input_error.h"
 #include "logs/import/brenner_lego_robot4.h"
 #include "logs/import/censi_joint_calibration.h"
 #include "logs/import/lcm_maebot_logs.h"
 #include "logs/import/optiodom_diffdrive.h"
 #include "logs/import/tuc_labyrinth_diffdrive.h"
-#include "processes/support/input_error.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Lines of a text file as fields, with errors that name file, line and column.
 #pragma once
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 
 #include <cstdint>
 #include <string>

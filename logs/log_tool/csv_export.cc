@@ -1,6 +1,6 @@
 #include "logs/log_tool/csv_export.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 #include "processes/support/log_file.h"
 #include "processes/support/message_fields.h"
 #include "processes/support/output_file.h"

@@ -1,7 +1,7 @@
+#include "estimation/base/input_error.h"
 #include "logs/log_tool/commands.h"
 #include "logs/log_tool/csv_export.h"
 #include "logs/log_tool/tum_export.h"
-#include "processes/support/input_error.h"
 
 #include <CLI/CLI.hpp>
 

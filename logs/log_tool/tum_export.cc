@@ -1,7 +1,7 @@
 #include "logs/log_tool/tum_export.h"
 
+#include "estimation/base/input_error.h"
 #include "logs/log_tool/text_table.h"
-#include "processes/support/input_error.h"
 #include "processes/support/log_file.h"
 #include "processes/support/message_fields.h"
 #include "processes/support/output_file.h"

@@ -1,8 +1,8 @@
 #include "processes/pose_filter/parameter_file.h"
 
+#include "estimation/base/input_error.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/configuration.h"
-#include "processes/support/input_error.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,10 +1,10 @@
 #include "processes/pose_filter/pose_filter_process.h"
 
+#include "estimation/base/input_error.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/convert/odometry_inputs.h"
 #include "processes/pose_filter/parameter_file.h"
 #include "processes/support/channels.h"
-#include "processes/support/input_error.h"
 
 #include <cstdio>
 #include <utility>

@@ -104,6 +104,17 @@ class Bus {
     PublishRaw(channel, data, TimeFromMicroseconds(message.utime));
   }
 
+  // Calls `action(now())` every `period` in the handler thread, first one
+  // period after the bus starts. Made in the constructor of a process, never
+  // undone. A call that comes late by several periods is made once.
+  virtual void Every(Duration period, std::function<void(Time)> action) = 0;
+
+  // The bus's own clock. Live: the wall clock when the bus was made plus the
+  // steady time since, so it never jumps; offline the time of the event being
+  // handled; simulated on LocalBus. For time-outs and for who makes messages
+  // out of nothing (drivers, people); all others go by the messages' utime.
+  [[nodiscard]] virtual Time now() const = 0;
+
   // A handler that finds a message's content impossible reports it here once:
   // counted per channel on STATUS, one rate-limited warning with `reason`.
   virtual void ReportBad(std::string_view channel,

@@ -19,7 +19,15 @@ inline constexpr std::string_view kPoseBot = "POSE_BOT";
 inline constexpr std::string_view kOdometryParameters = "ODOMETRY_PARAMETERS";
 inline constexpr std::string_view kStatus = "STATUS";
 inline constexpr std::string_view kConfig = "CONFIG";
+inline constexpr std::string_view kTask = "TASK";
+inline constexpr std::string_view kTaskStatus = "TASK_STATUS";
+inline constexpr std::string_view kMotionRequest = "MOTION_REQUEST";
+inline constexpr std::string_view kMotionCommand = "MOTION_COMMAND";
+inline constexpr std::string_view kStop = "STOP";
+inline constexpr std::string_view kPanTiltCommand = "PAN_TILT_COMMAND";
+inline constexpr std::string_view kBase = "BASE";
 // Followed by the camera's name: IMAGE_FRONT.
 inline constexpr std::string_view kImagePrefix = "IMAGE_";
+inline constexpr std::string_view kCameraInfoPrefix = "CAMERA_INFO_";
 
 }  // namespace waymark

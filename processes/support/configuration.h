@@ -2,8 +2,8 @@
 // reference for users, all from one Describe() function (describer.h).
 #pragma once
 
+#include "estimation/base/input_error.h"
 #include "processes/support/describer.h"
-#include "processes/support/input_error.h"
 
 #include <functional>
 #include <stdexcept>

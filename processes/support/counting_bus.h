@@ -2,6 +2,7 @@
 #pragma once
 
 #include "processes/support/bus.h"
+#include "processes/support/timers.h"
 
 #include <waymark/status_t.hpp>
 
@@ -11,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace waymark {
@@ -27,6 +29,9 @@ class CountingBus : public Bus {
                  Bad kind,
                  std::string_view reason) override;
   void SetFault(std::string_view fault) override { fault_ = fault; }
+  void Every(Duration period, std::function<void(Time)> action) override {
+    timers_.Add(period, std::move(action));
+  }
 
   // Checks the fingerprint, decodes, calls the handler, counts. `arrival`
   // counts the messages that arrived for this subscription from 1, including
@@ -43,6 +48,10 @@ class CountingBus : public Bus {
   [[nodiscard]] virtual status_t MakeStatus();
   // The newest time that this bus knows of, 0 where it knows none.
   [[nodiscard]] virtual std::int64_t event_utime() const { return 0; }
+
+  // Run by the transport, on its clock.
+  [[nodiscard]] Timers& timers() { return timers_; }
+  [[nodiscard]] const Timers& timers() const { return timers_; }
 
   [[nodiscard]] const std::string& process() const { return process_; }
   [[nodiscard]] const std::vector<Subscription>& subscriptions() const {
@@ -98,6 +107,7 @@ class CountingBus : public Bus {
   std::vector<Subscription> subscriptions_;
   std::vector<Counter> counters_;  // One per subscription.
   std::vector<Advertisement> advertisements_;
+  Timers timers_;
   std::int64_t num_published_ = 0;
   std::string fault_;
   bool hide_subscriptions_ = false;

@@ -31,10 +31,19 @@ std::string HostName() {
   return name.data();
 }
 
+Time WallTime() {
+  return Time(std::chrono::duration_cast<Duration>(
+      std::chrono::system_clock::now().time_since_epoch()));
+}
+
 }  // namespace
 
 LcmBus::LcmBus(std::string process, const std::string& url)
-    : CountingBus(std::move(process)), host_(HostName()), lcm_(url) {
+    : CountingBus(std::move(process)),
+      host_(HostName()),
+      lcm_(url),
+      start_time_(WallTime()),
+      start_(Steady::now()) {
   wake_fd_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   stop_fd_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   WAYMARK_CHECK(wake_fd_ >= 0 && stop_fd_ >= 0, std::strerror(errno));
@@ -97,6 +106,7 @@ void LcmBus::Start() {
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
   receiver_ = std::thread([this] { Receive(); });
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  timers().Start(now());
 }
 
 void LcmBus::Stop() {
@@ -197,6 +207,25 @@ bool LcmBus::HandleOne() {
     NoteTime(*utime, Microseconds(item->received));
   }
   return true;
+}
+
+void LcmBus::RunTimers() {
+  const std::optional<Time> next = timers().next();
+  if (!next || *next > now()) return;
+  const auto begin = Steady::now();
+  timers().RunDue(now());
+  worst_handler_ = std::max(worst_handler_, Steady::now() - begin);
+}
+
+std::optional<Duration> LcmBus::UntilNextTimer() const {
+  const std::optional<Time> next = timers().next();
+  if (!next) return std::nullopt;
+  return *next - now();
+}
+
+Time LcmBus::now() const {
+  return start_time_ +
+         std::chrono::duration_cast<Duration>(Steady::now() - start_);
 }
 
 void LcmBus::NoteTime(std::int64_t utime, std::int64_t received_utime) {

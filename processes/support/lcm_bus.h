@@ -55,6 +55,13 @@ class LcmBus final : public CountingBus {
   // thread.
   bool HandleOne();
 
+  // Makes the timers' calls that are due. What they throw passes through.
+  void RunTimers();
+  // Until the next one is due; nullopt without a timer.
+  [[nodiscard]] std::optional<Duration> UntilNextTimer() const;
+
+  [[nodiscard]] Time now() const override;
+
   // Readable while messages may wait; HandleOne() clears it once none does.
   [[nodiscard]] int wake_fd() const { return wake_fd_; }
 
@@ -105,6 +112,8 @@ class LcmBus final : public CountingBus {
   Mailbox mailbox_;
   LcmConnection lcm_;
 
+  const Time start_time_;  // Of the wall clock, at start_.
+  const Steady::time_point start_;
   Steady::duration worst_handler_{0};
   std::int64_t newest_utime_ = 0;     // Of those handled.
   std::int64_t published_utime_ = 0;  // Of the message published last.

@@ -1,6 +1,6 @@
 #include "processes/support/lcm_connection.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 #include "processes/support/lcm_url.h"
 
 #include <dirent.h>

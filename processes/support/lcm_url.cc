@@ -1,6 +1,6 @@
 #include "processes/support/lcm_url.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 
 #include <arpa/inet.h>
 #include <net/if.h>

@@ -20,6 +20,7 @@ class LocalBus::Process final : public CountingBus {
   [[nodiscard]] bool is_offline() const override { return true; }
   [[nodiscard]] status_t MakeStatus() override;
   [[nodiscard]] std::int64_t event_utime() const override;
+  [[nodiscard]] Time now() const override;
 
   void OnArrival(const RawMessage& message, const Mailbox::Bytes& data);
 
@@ -56,10 +57,15 @@ class LocalBus::Impl {
                     std::move(event));
   }
 
-  // Delivers the next event, if it is not after `end`.
+  // Delivers the next event, or runs the next timer, if that is not after
+  // `end`.
   bool Step(Time end) {
     const auto next = events_.begin();
-    if (next == events_.end() || next->first.first > end) return false;
+    const bool has_event = next != events_.end() && next->first.first <= end;
+    if (has_event && !has_started) StartTimers(next->first.first);
+    const Time until = has_event ? next->first.first : end;
+    if (RunTimer(until, !has_event)) return true;
+    if (!has_event) return false;
     now = next->first.first;
     Event event = std::move(next->second);
     events_.erase(next);
@@ -69,22 +75,51 @@ class LocalBus::Impl {
     }
     const auto data =
         std::make_shared<const std::vector<std::uint8_t>>(event.data);
-    recording.push_back(
-        RawMessage{std::move(event.channel), std::move(event.data), now});
     // A copy: a handler that adds a process or publishes must not move it.
-    const std::string channel = recording.back().channel;
-    const RawMessage arrived{channel, {}, now};
+    const RawMessage arrived{event.channel, {}, now};
+    RawMessage message{std::move(event.channel), std::move(event.data), now};
+    if (sink) {
+      sink(message);
+    } else {
+      recording.push_back(std::move(message));
+    }
     for (std::size_t i = 0; i < processes.size(); ++i) {
       processes[i]->OnArrival(arrived, data);
     }
     return true;
   }
 
+  [[nodiscard]] bool has_event() const { return !events_.empty(); }
+
+  void StartTimers(Time time) {
+    has_started = true;
+    for (const auto& process : processes) process->timers().Start(time);
+  }
+
   std::vector<std::unique_ptr<Process>> processes;
   std::vector<RawMessage> recording;
+  std::function<void(const RawMessage&)> sink;
   Time now;
+  bool has_started = false;
 
  private:
+  // Runs the timer that is due first: before `until`, or at it where nothing
+  // else is (`includes_end`).
+  bool RunTimer(Time until, bool includes_end) {
+    Process* first = nullptr;
+    for (const auto& process : processes) {
+      const std::optional<Time> next = process->timers().next();
+      if (!next || *next > until || (*next == until && !includes_end)) continue;
+      if (first == nullptr || *next < *first->timers().next()) {
+        first = process.get();
+      }
+    }
+    if (first == nullptr) return false;
+    now = *first->timers().next();
+    first->timers().RunDue(now);
+    return true;
+  }
+
   std::map<std::pair<Time, std::int64_t>, Event> events_;
   std::int64_t next_sequence_ = 0;
 };
@@ -123,6 +158,10 @@ std::int64_t LocalBus::Process::event_utime() const {
   return Microseconds(world_->now);
 }
 
+Time LocalBus::Process::now() const {
+  return world_->now;
+}
+
 status_t LocalBus::Process::MakeStatus() {
   status_t status = CountingBus::MakeStatus();
   status.num_received = 0;
@@ -136,9 +175,13 @@ status_t LocalBus::Process::MakeStatus() {
   return status;
 }
 
-LocalBus::LocalBus() : impl_(std::make_unique<Impl>()) {
+LocalBus::LocalBus(std::optional<Time> start)
+    : impl_(std::make_unique<Impl>()) {
   impl_->processes.push_back(
       std::make_unique<Process>("test", Duration(0), true, impl_.get()));
+  if (!start) return;
+  impl_->now = *start;
+  impl_->StartTimers(*start);
 }
 
 LocalBus::~LocalBus() = default;
@@ -147,6 +190,7 @@ Bus* LocalBus::AddProcess(std::string name, Duration handler_latency) {
   WAYMARK_CHECK(handler_latency >= Duration(0), handler_latency.count());
   impl_->processes.push_back(std::make_unique<Process>(
       std::move(name), handler_latency, false, impl_.get()));
+  if (impl_->has_started) impl_->processes.back()->timers().Start(impl_->now);
   return impl_->processes.back().get();
 }
 
@@ -165,8 +209,12 @@ void LocalBus::CallAt(Time time, std::function<void()> action) {
 }
 
 void LocalBus::Run() {
-  while (impl_->Step(Time::max())) {
+  while (impl_->has_event() && impl_->Step(Time::max())) {
   }
+}
+
+void LocalBus::RecordTo(std::function<void(const RawMessage&)> sink) {
+  impl_->sink = std::move(sink);
 }
 
 void LocalBus::RunUntil(Time end) {

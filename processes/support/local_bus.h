@@ -28,7 +28,9 @@ namespace waymark {
 //   const auto poses = world.Messages<pose_t>(kPose);
 class LocalBus {
  public:
-  LocalBus();
+  // The clock starts at `start`, and so do timers; without it at the first
+  // event.
+  explicit LocalBus(std::optional<Time> start = std::nullopt);
   ~LocalBus();
   LocalBus(const LocalBus&) = delete;
   LocalBus& operator=(const LocalBus&) = delete;
@@ -66,14 +68,19 @@ class LocalBus {
   // Calls `action` at a time, between messages: a simulator's clock.
   void CallAt(Time time, std::function<void()> action);
 
-  // Delivers until nothing is queued, or until everything up to and including
-  // `end` has been delivered (now() is then `end`). What a handler throws
-  // passes through.
+  // Delivers until nothing is queued (timers run as long as something is), or
+  // until everything up to and including `end` has been delivered and the
+  // timers have run (now() is then `end`). At equal times messages come before
+  // timers. What a handler throws passes through.
   void Run();
   void RunUntil(Time end);
 
   // Time of the event being delivered, or delivered last.
   [[nodiscard]] Time now() const;
+
+  // From now on messages go here as they are delivered, and recording() gets no
+  // more: for runs too long to be kept.
+  void RecordTo(std::function<void(const RawMessage&)> sink);
 
   // Every message delivered so far, input and output, in order; log_time is
   // its time of arrival.

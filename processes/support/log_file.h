@@ -6,9 +6,9 @@
 // without NUL, data bytes; all big endian.
 #pragma once
 
+#include "estimation/base/input_error.h"
 #include "estimation/base/time.h"
 #include "processes/support/decode.h"
-#include "processes/support/input_error.h"
 #include "processes/support/output_file.h"
 
 #include <cstdint>

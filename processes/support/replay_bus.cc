@@ -1,8 +1,8 @@
 #include "processes/support/replay_bus.h"
 
 #include "estimation/base/check.h"
+#include "estimation/base/input_error.h"
 #include "processes/support/counting_bus.h"
-#include "processes/support/input_error.h"
 #include "processes/support/status_reporter.h"
 
 #include <spdlog/fmt/fmt.h>
@@ -24,6 +24,7 @@ class ReplayBus::Process final : public CountingBus {
         world_(world) {}
 
   [[nodiscard]] bool is_offline() const override { return true; }
+  [[nodiscard]] Time now() const override;
 
   void OnMessage(const RawMessage& message) {
     for (std::size_t i = 0; i < subscriptions().size(); ++i) {
@@ -53,6 +54,7 @@ class ReplayBus::Impl {
   explicit Impl(Sink write) : write_(std::move(write)) {}
 
   void Handle(const LogEvent& event) {
+    RunTimers(event.time);
     now_ = event.time;
     if (!std::exchange(has_begun, true)) Report();
     DeliverQueued();
@@ -79,11 +81,43 @@ class ReplayBus::Impl {
         RawMessage{std::string(channel), {data.begin(), data.end()}, now_});
   }
 
+  [[nodiscard]] Time now() const { return now_; }
+
   std::vector<std::unique_ptr<Process>> processes;
   bool has_begun = false;
   std::int64_t num_left_out = 0;
 
  private:
+  // Timers due before or at `end`, each at its own time.
+  void RunTimers(Time end) {
+    // Nothing was recorded for so long: no robot ran.
+    constexpr Duration kLongestGap = std::chrono::seconds(10);
+    for (const auto& process : processes) {
+      Timers& timers = process->timers();
+      if (!timers.has_started() || end < now_ || end - now_ > kLongestGap) {
+        timers.Start(end);
+      }
+    }
+    while (Process* process = NextTimer(end)) {
+      now_ = *process->timers().next();
+      process->timers().RunDue(now_);
+      DeliverQueued();
+    }
+  }
+
+  // Of the process whose timer is due first, none where that is after `end`.
+  Process* NextTimer(Time end) {
+    Process* first = nullptr;
+    for (const auto& process : processes) {
+      const std::optional<Time> next = process->timers().next();
+      if (!next || *next > end) continue;
+      if (first == nullptr || *next < *first->timers().next()) {
+        first = process.get();
+      }
+    }
+    return first;
+  }
+
   void Deliver(const RawMessage& message) {
     if (write_) write_(message.log_time, message.channel, message.data);
     for (const auto& process : processes) process->OnMessage(message);
@@ -109,6 +143,10 @@ class ReplayBus::Impl {
   std::deque<RawMessage> queue_;
   Time now_;
 };
+
+Time ReplayBus::Process::now() const {
+  return world_->now();
+}
 
 void ReplayBus::Process::PublishRaw(std::string_view channel,
                                     std::span<const std::uint8_t> data,

@@ -26,6 +26,9 @@ namespace waymark {
 // processes recorded left out and what they publish now put in; everything
 // else, subscribed or not, is copied with its time and bytes.
 //
+// Timers follow event time: those due up to an event's time are called at their
+// own times before it, except over a gap of the log.
+//
 // STATUS and CONFIG follow event time; what depends on the machine is absent.
 class ReplayBus {
  public:

@@ -1,6 +1,6 @@
 #include "processes/support/run_process.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 #include "processes/support/lcm_bus.h"
 #include "processes/support/lcm_url.h"
 #include "processes/support/replay_bus.h"
@@ -13,6 +13,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -86,10 +87,11 @@ Duration SteadyNow() {
   return std::chrono::duration_cast<Duration>(Steady::now().time_since_epoch());
 }
 
-// Waits for a message, a signal, or the time of the next STATUS.
-void Wait(const LcmBus& bus, const Signals& signals, Duration until) {
-  const auto left =
-      std::chrono::ceil<std::chrono::milliseconds>(until - SteadyNow());
+// Waits for a message, a signal, the next timer or the time of the next STATUS.
+void Wait(const LcmBus& bus, const Signals& signals, Duration next_status) {
+  Duration until = next_status - SteadyNow();
+  if (const auto timer = bus.UntilNextTimer()) until = std::min(until, *timer);
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(until);
   std::array<pollfd, 2> waits{pollfd{bus.wake_fd(), POLLIN, 0},
                               pollfd{signals.fd(), POLLIN, 0}};
   ::poll(waits.data(),
@@ -120,6 +122,7 @@ int RunLive(const ProcessClass& process_class,
   try {
     while (!signals.Take()) {
       reporter.Report(SteadyNow());
+      bus.RunTimers();
       if (!bus.HandleOne()) Wait(bus, signals, *reporter.next_status());
     }
     bus.Stop();

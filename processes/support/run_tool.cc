@@ -1,6 +1,6 @@
 #include "processes/support/run_tool.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 #include "processes/support/output_file.h"
 
 #include <CLI/CLI.hpp>

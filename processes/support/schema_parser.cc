@@ -1,6 +1,6 @@
 #include "processes/support/schema_parser.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 
 #include <array>
 #include <charconv>

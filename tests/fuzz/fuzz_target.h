@@ -5,7 +5,7 @@
 // seeds and thousands of fixed mutations of them in CTest.
 #pragma once
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 
 #include <cstdint>
 #include <functional>

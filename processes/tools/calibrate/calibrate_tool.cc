@@ -1,10 +1,10 @@
 #include "processes/tools/calibrate/calibrate_tool.h"
 
+#include "estimation/base/input_error.h"
 #include "estimation/camera/board_detector.h"
 #include "estimation/camera/calibrate_camera.h"
 #include "estimation/camera/pan_tilt_mount.h"
 #include "processes/convert/camera_file.h"
-#include "processes/support/input_error.h"
 #include "processes/support/output_file.h"
 #include "processes/support/progress.h"
 #include "processes/support/run_tool.h"

@@ -1,9 +1,9 @@
 #include "processes/tools/refine/refine_log.h"
 
+#include "estimation/base/input_error.h"
 #include "estimation/filter/encoder_counter.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
-#include "processes/support/input_error.h"
 #include "processes/support/log_file.h"
 
 #include <algorithm>

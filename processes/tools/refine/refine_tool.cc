@@ -1,10 +1,10 @@
 #include "processes/tools/refine/refine_tool.h"
 
+#include "estimation/base/input_error.h"
 #include "estimation/batch/batch_refiner.h"
 #include "processes/batch_refiner/batch_refiner_process.h"
 #include "processes/pose_filter/parameter_file.h"
 #include "processes/support/configuration.h"
-#include "processes/support/input_error.h"
 #include "processes/support/output_file.h"
 #include "processes/support/run_tool.h"
 #include "processes/tools/refine/refine_log.h"

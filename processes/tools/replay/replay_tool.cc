@@ -1,6 +1,6 @@
 #include "processes/tools/replay/replay_tool.h"
 
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 #include "processes/support/progress.h"
 #include "processes/support/replay_bus.h"
 #include "processes/support/run_process.h"

@@ -1,8 +1,8 @@
 #include "processes/tools/wait/wait_tool.h"
 
+#include "estimation/base/input_error.h"
 #include "processes/support/channels.h"
 #include "processes/support/decode.h"
-#include "processes/support/input_error.h"
 #include "processes/support/lcm_url.h"
 #include "processes/support/run_tool.h"
 

@@ -2,11 +2,11 @@
 // simulated drives, and what an error says.
 #pragma once
 
+#include "estimation/base/input_error.h"
 #include "estimation/geometry/angle.h"
 #include "logs/evaluation/dead_reckoning.h"
 #include "logs/evaluation/trajectory_error.h"
 #include "logs/import/recording.h"
-#include "processes/support/input_error.h"
 #include "tests/support/drive_simulation.h"
 
 #include <cstdio>

@@ -1,9 +1,9 @@
 #include "processes/convert/camera_file.h"
 
+#include "estimation/base/input_error.h"
 #include "estimation/camera/camera_parameters.h"
 #include "estimation/camera/pan_tilt_mount.h"
 #include "estimation/geometry/angle.h"
-#include "processes/support/input_error.h"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>

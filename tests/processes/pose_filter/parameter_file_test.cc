@@ -1,7 +1,7 @@
 #include "processes/pose_filter/parameter_file.h"
 
+#include "estimation/base/input_error.h"
 #include "processes/support/channels.h"
-#include "processes/support/input_error.h"
 #include "tests/processes/pose_filter/pose_filter_world.h"
 #include "tests/support/temporary_directory.h"
 

@@ -2,8 +2,8 @@
 // is in tests/network.
 #include "processes/support/lcm_bus.h"
 
+#include "estimation/base/input_error.h"
 #include "processes/support/channels.h"
-#include "processes/support/input_error.h"
 #include "processes/support/status_reporter.h"
 
 #include <waymark/config_t.hpp>
@@ -307,6 +307,25 @@ TEST(LcmBus, StopsWhileMessagesCome) {
     for (int i = 0; i < 10; ++i) bus.Publish("A", Encoders(i));
     if (run % 2 == 0) bus.Stop();
   }
+}
+
+TEST(LcmBus, TimersRunOnItsOwnClock) {
+  LcmBus bus("clock", "memq://");
+  std::vector<Time> calls;
+  bus.Every(std::chrono::milliseconds(5),
+            [&](Time now) { calls.push_back(now); });
+  EXPECT_EQ(bus.UntilNextTimer(), std::nullopt);
+  const Time start = bus.now();
+  bus.Start();
+  bus.RunTimers();
+  EXPECT_TRUE(calls.empty());
+  while (calls.size() < 3) {
+    ASSERT_TRUE(bus.UntilNextTimer().has_value());
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    bus.RunTimers();
+  }
+  EXPECT_GE(calls[2] - start, std::chrono::milliseconds(15));
+  EXPECT_LE(calls[2], bus.now());
 }
 
 }  // namespace

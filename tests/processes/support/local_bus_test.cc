@@ -232,5 +232,55 @@ TEST(LocalBus, CallAtRunsBetweenMessages) {
               ElementsAre("message 1", "call", "message 7", "message 2"));
 }
 
+// Publishes a TRUTH every ten microseconds.
+void MakeClock(Bus* bus) {
+  bus->Advertise<truth_t>("TRUTH");
+  bus->Every(Duration(10), [bus](Time now) {
+    EXPECT_EQ(now, bus->now());
+    truth_t truth{};
+    truth.utime = Microseconds(now);
+    bus->Publish("TRUTH", truth);
+  });
+}
+
+TEST(LocalBus, TimersRunAfterMessagesOfTheSameTime) {
+  LocalBus world(TimeFromMicroseconds(1000));
+  MakeClock(world.AddProcess("clock"));
+  EXPECT_EQ(world.now(), TimeFromMicroseconds(1000));
+  world.Publish("ENCODERS", Encoders(1015, 0));
+  world.Publish("ENCODERS", Encoders(1020, 1));
+  world.RunUntil(TimeFromMicroseconds(1020));
+  EXPECT_THAT(
+      Order(world),
+      ElementsAre(
+          "TRUTH@1010", "ENCODERS@1015", "ENCODERS@1020", "TRUTH@1020"));
+}
+
+TEST(LocalBus, TimersStartAtTheFirstEventAndEndWithTheLast) {
+  LocalBus world;
+  MakeClock(world.AddProcess("clock"));
+  world.Publish("ENCODERS", Encoders(1'000'000'000, 0));
+  world.Publish("ENCODERS", Encoders(1'000'000'025, 1));
+  world.RunUntil(TimeFromMicroseconds(1'000'000'005));
+  world.RunUntil(TimeFromMicroseconds(1'000'000'030));
+  EXPECT_THAT(Order(world),
+              ElementsAre("ENCODERS@1000000000",
+                          "TRUTH@1000000010",
+                          "TRUTH@1000000020",
+                          "ENCODERS@1000000025",
+                          "TRUTH@1000000030"));
+}
+
+TEST(LocalBus, RecordsToASinkInstead) {
+  LocalBus world;
+  std::vector<std::string> channels;
+  world.RecordTo(
+      [&](const RawMessage& message) { channels.push_back(message.channel); });
+  world.Publish("ENCODERS", Encoders(10, 0));
+  world.Run();
+  EXPECT_THAT(channels, ElementsAre("ENCODERS"));
+  EXPECT_TRUE(world.recording().empty());
+}
+
 }  // namespace
 }  // namespace waymark

@@ -332,5 +332,22 @@ TEST(ReplayBus, OneProcessNamedTwiceIsRefused) {
   std::remove(in.c_str());
 }
 
+TEST(ReplayBus, TimersFollowEventTimeButNotOverAGap) {
+  std::vector<std::int64_t> calls;
+  ReplayBus replay(nullptr);
+  Bus* bus = replay.AddProcess("clock", "");
+  bus->Every(std::chrono::seconds(2), [&](Time now) {
+    EXPECT_EQ(now, bus->now());
+    calls.push_back(Microseconds(now) / 1'000'000);
+  });
+  for (const int second : {100, 101, 105, 1000, 1003}) {
+    LogEvent event;
+    event.time = TimeFromMicroseconds(second * 1'000'000LL);
+    event.channel = "X";
+    replay.Handle(event);
+  }
+  EXPECT_THAT(calls, testing::ElementsAre(102, 104, 1002));
+}
+
 }  // namespace
 }  // namespace waymark

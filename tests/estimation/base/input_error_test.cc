@@ -1,4 +1,4 @@
-#include "processes/support/input_error.h"
+#include "estimation/base/input_error.h"
 
 #include <gtest/gtest.h>
 
