@@ -2,7 +2,6 @@
 
 #include "estimation/base/input_error.h"
 #include "estimation/camera/camera_parameters.h"
-#include "estimation/camera/pan_tilt_mount.h"
 #include "estimation/geometry/angle.h"
 #include "processes/support/configuration.h"
 
@@ -17,6 +16,7 @@ namespace {
 
 // Widest and highest image: what a message could still carry.
 constexpr std::int64_t kMaxPixels = 20000;
+constexpr double kMaxPosition = 100.0;  // m.
 
 struct Contents {
   CameraKind kind = CameraKind::kPerspective;
@@ -29,6 +29,7 @@ struct Contents {
   double roll = 0.0;
   double pitch = 0.0;
   double yaw = 0.0;
+  std::vector<double> head;  // Empty: the camera is fixed.
 
   void Describe(Describer& d) {
     std::vector<std::pair<std::string, CameraKind>> kinds;
@@ -51,12 +52,19 @@ struct Contents {
   }
 
   void DescribeMounting(Describer& d) {
-    d.Number("x", &x, {-100.0, 100.0}, "Forward of the robot's origin, m");
-    d.Number("y", &y, {-100.0, 100.0}, "To the left, m");
-    d.Number("z", &z, {-100.0, 100.0}, "Up, m");
+    d.Number("x",
+             &x,
+             {-kMaxPosition, kMaxPosition},
+             "Forward of the robot's origin, m");
+    d.Number("y", &y, {-kMaxPosition, kMaxPosition}, "To the left, m");
+    d.Number("z", &z, {-kMaxPosition, kMaxPosition}, "Up, m");
     d.Degrees("roll_deg", &roll, {-180.0, 180.0}, "About the line of sight");
     d.Degrees("pitch_deg", &pitch, {-90.0, 90.0}, "Downward");
     d.Degrees("yaw_deg", &yaw, {-180.0, 180.0}, "To the left");
+    d.Numbers("head",
+              &head,
+              3,
+              "Crossing of a pan-tilt head's axes x, y, z, m; empty: none");
   }
 };
 
@@ -87,10 +95,25 @@ CameraDescription CameraOf(const Contents& contents,
   camera.X_RC.linear() = TurnOf(contents.yaw, contents.pitch, contents.roll) *
                          ForwardCameraRotation();
   camera.X_RC.translation() << contents.x, contents.y, contents.z;
+  if (!contents.head.empty()) {
+    camera.p_RH = Eigen::Map<const Eigen::Vector3d>(contents.head.data());
+    if (!(camera.p_RH->cwiseAbs().maxCoeff() <= kMaxPosition)) {
+      throw InputError(source + ": mounting.head must be within +-100 m");
+    }
+  }
   return camera;
 }
 
 }  // namespace
+
+PanTiltMount MountOf(const CameraDescription& camera) {
+  PanTiltMount mount;
+  mount.X_RH.linear() =
+      camera.X_RC.linear() * ForwardCameraRotation().transpose();
+  mount.X_RH.translation() = camera.p_RH.value_or(camera.X_RC.translation());
+  mount.lever_arm = mount.X_RH.inverse() * camera.X_RC.translation();
+  return mount;
+}
 
 CameraDescription LoadCameraFile(const std::string& path) {
   Contents contents;
@@ -121,6 +144,9 @@ std::string YamlOfCamera(const CameraDescription& camera) {
   contents.yaw = std::atan2(R(1, 0), R(0, 0));
   contents.pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
   contents.roll = std::atan2(R(2, 1), R(2, 2));
+  if (camera.p_RH) {
+    contents.head.assign(camera.p_RH->begin(), camera.p_RH->end());
+  }
   return PrintConfiguration([&](Describer& d) { contents.Describe(d); });
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "estimation/camera/camera_model.h"
+#include "estimation/camera/pan_tilt_mount.h"
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <string>
 
 namespace waymark {
@@ -13,8 +15,16 @@ namespace waymark {
 struct CameraDescription {
   CameraModel model = PerspectiveCamera(Intrinsics{});
   ImageSize size;
-  Eigen::Isometry3d X_RC = Eigen::Isometry3d::Identity();  // Mounting.
+  Eigen::Isometry3d X_RC = Eigen::Isometry3d::Identity();  // Mounting; on a
+                                                           // head: at pan and
+                                                           // tilt 0.
+  // Where the two axes of a pan-tilt head cross; absent: the camera is fixed.
+  std::optional<Eigen::Vector3d> p_RH;
 };
+
+// The camera's head. At pan and tilt 0 it puts the camera at X_RC; without
+// p_RH its axes cross in the camera's centre.
+[[nodiscard]] PanTiltMount MountOf(const CameraDescription& camera);
 
 // YAML, read as strictly as a configuration:
 //
@@ -30,6 +40,7 @@ struct CameraDescription {
 //     roll_deg: 0.0          # About the robot's axes, in the order yaw, pitch,
 //     pitch_deg: 12.0        # roll, of a camera that looks along x: pitch
 //     yaw_deg: 0.0           # downward and yaw to the left are positive.
+//     head: [0.05, 0.0, 0.6] # Of a pan-tilt head: where its axes cross, m.
 //
 // Throws InputError with one line (file, key, value, allowed range) where it
 // cannot be read or is no camera.

@@ -1,13 +1,13 @@
 #include "processes/convert/odometry_convert.h"
 
 #include "estimation/geometry/angle.h"
+#include "processes/convert/message_check.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <cstddef>
-#include <sstream>
 #include <vector>
 
 namespace waymark {
@@ -18,19 +18,6 @@ namespace {
 constexpr double kMaxCoordinate = 1e7;
 // Doubles count exactly to 2^53; 2^52 leaves room for differences.
 constexpr std::int64_t kMaxTicks = std::int64_t{1} << 52;
-
-template <typename... Values>
-bool Refuse(std::string* reason, const Values&... values) {
-  std::ostringstream out;
-  out.precision(9);
-  (out << ... << values);
-  *reason = out.str();
-  return false;
-}
-
-bool CheckTime(const char* key, std::int64_t utime, std::string* reason) {
-  return utime > 0 || Refuse(reason, key, ": ", utime, " must be positive");
-}
 
 bool CheckNumber(const char* key, double value, std::string* reason) {
   return std::abs(value) <= kMaxCoordinate ||

@@ -48,6 +48,9 @@ TEST(CameraFile, LoadsWhatWasWritten) {
                                .toRotationMatrix() *
                            ForwardCameraRotation();
     camera.X_RC.translation() << 0.1, -0.02, 0.6;
+    if (KindOf(model) == CameraKind::kSphere) {
+      camera.p_RH = Eigen::Vector3d(0.05, 0.0, 0.5);
+    }
     const std::string yaml = YamlOfCamera(camera);
     const CameraDescription loaded = CameraFromYaml(yaml, "x");
     EXPECT_EQ(ParametersOf(loaded.model), ParametersOf(model)) << yaml;
@@ -55,6 +58,7 @@ TEST(CameraFile, LoadsWhatWasWritten) {
     EXPECT_EQ(loaded.size, camera.size);
     EXPECT_LT((loaded.X_RC.matrix() - camera.X_RC.matrix()).norm(), 1e-14)
         << yaml;
+    EXPECT_EQ(loaded.p_RH, camera.p_RH) << yaml;
   }
 }
 
@@ -91,6 +95,10 @@ TEST(CameraFile, BadOnesAreOneLine) {
               HasSubstr("width and height are missing"));
   EXPECT_THAT(ErrorOf(good + "mounting:\n  pitch_deg: 120\n"),
               HasSubstr("[-90, 90]"));
+  EXPECT_THAT(ErrorOf(good + "mounting:\n  head: [0, 0]\n"),
+              HasSubstr("mounting.head"));
+  EXPECT_THAT(ErrorOf(good + "mounting:\n  head: [0, 0, 500]\n"),
+              HasSubstr("mounting.head must be within +-100 m"));
   EXPECT_THAT(ErrorOf("width: 0\n"), HasSubstr("[1, 20000]"));
   EXPECT_THAT(ErrorOf("fx: .nan\n"), HasSubstr("fx"));
 }
