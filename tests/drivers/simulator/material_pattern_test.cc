@@ -214,9 +214,9 @@ TEST(MaterialPattern, ContactSheet) {
     small.copyTo(
         sheet(cv::Rect(column * kSide, row * kSide, small.cols, small.rows)));
   }
-  const char* build = std::getenv("WAYMARK_BUILD");
-  ASSERT_TRUE(
-      cv::imwrite(std::string(build ? build : ".") + "/patterns.png", sheet));
+  if (const char* build = std::getenv("WAYMARK_BUILD")) {
+    EXPECT_TRUE(cv::imwrite(std::string(build) + "/patterns.png", sheet));
+  }
 }
 
 }  // namespace
