@@ -3,13 +3,8 @@
 #include "estimation/base/input_error.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/configuration.h"
+#include "processes/support/state_file.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <vector>
@@ -39,10 +34,6 @@ struct Contents {
 
 [[noreturn]] void Fail(const std::string& path, const std::string& why) {
   throw InputError(path + ": " + why);
-}
-
-std::string CannotBeWritten(int error) {
-  return std::string("cannot be written: ") + std::strerror(error);
 }
 
 }  // namespace
@@ -75,13 +66,6 @@ std::optional<OdometryParameters> LoadParameterFile(const std::string& path) {
   return parameters;
 }
 
-void CheckParameterFolder(const std::string& path) {
-  const auto folder = std::filesystem::absolute(path).parent_path();
-  if (::access(folder.c_str(), W_OK) != 0) {
-    Fail(path, CannotBeWritten(errno));
-  }
-}
-
 void SaveParameterFile(const std::string& path,
                        const OdometryParameters& parameters) {
   Contents contents;
@@ -93,30 +77,10 @@ void SaveParameterFile(const std::string& path,
     contents.covariance.push_back(parameters.covariance(i / 3, i % 3));
   }
   contents.num_measurements = parameters.num_measurements;
-  const std::string text =
+  SaveStateFile(
+      path,
       "# Wheel parameters, saved by pose_filter or waymark-refine.\n" +
-      PrintConfiguration([&](Describer& d) { contents.Describe(d); });
-
-  const std::string beside = path + ".new";
-  const int file =
-      ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) Fail(path, CannotBeWritten(errno));
-  // Synced before the rename: after a power cut the name must not point to
-  // an empty file.
-  const bool written = ::write(file, text.data(), text.size()) ==
-                           static_cast<ssize_t>(text.size()) &&
-                       ::fsync(file) == 0;
-  const int write_error = errno;
-  ::close(file);
-  if (!written) {
-    ::unlink(beside.c_str());
-    Fail(path, CannotBeWritten(write_error == 0 ? ENOSPC : write_error));
-  }
-  if (std::rename(beside.c_str(), path.c_str()) != 0) {
-    const int rename_error = errno;
-    ::unlink(beside.c_str());
-    Fail(path, CannotBeWritten(rename_error));
-  }
+          PrintConfiguration([&](Describer& d) { contents.Describe(d); }));
 }
 
 }  // namespace waymark

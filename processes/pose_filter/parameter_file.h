@@ -13,12 +13,7 @@ namespace waymark {
 [[nodiscard]] std::optional<OdometryParameters> LoadParameterFile(
     const std::string& path);
 
-// Throws InputError where nothing can be written into the folder of `path`.
-void CheckParameterFolder(const std::string& path);
-
-// Writes beside it and renames, so that a reader, or the next run after a
-// crash or on a full disk, finds either the old file or the new one. Loads
-// back bit for bit. Throws InputError with one line.
+// As SaveStateFile() does; loads back bit for bit.
 void SaveParameterFile(const std::string& path,
                        const OdometryParameters& parameters);
 

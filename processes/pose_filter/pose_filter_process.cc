@@ -5,6 +5,7 @@
 #include "processes/convert/odometry_inputs.h"
 #include "processes/pose_filter/parameter_file.h"
 #include "processes/support/channels.h"
+#include "processes/support/state_file.h"
 
 #include <cstdio>
 #include <utility>
@@ -19,7 +20,7 @@ DelayedFusionOptions OptionsOf(const PoseFilterConfig& config) {
   DelayedFusionOptions options = config.Options();
   if (!config.parameters_file.empty()) {
     // Now, not after hours of driving whose result cannot be saved.
-    CheckParameterFolder(config.parameters_file);
+    CheckStateFolder(config.parameters_file);
     options.filter.learned = LoadParameterFile(config.parameters_file);
   }
   return options;
