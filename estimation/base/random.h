@@ -4,8 +4,23 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string_view>
 
 namespace waymark {
+
+// The seed of one of many random sources that share a seed: sources of other
+// names keep their numbers when one is added or draws more often.
+constexpr std::uint64_t SeedFor(std::uint64_t seed, std::string_view name) {
+  // FNV-1a of the name, started from the seed; the last mix (of SplitMix64)
+  // parts seeds and names that differ in few bits.
+  std::uint64_t hash = 0xCBF29CE484222325ull ^ (seed * 0x9E3779B97F4A7C15ull);
+  for (const char c : name) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3ull;
+  }
+  hash = (hash ^ (hash >> 30)) * 0xBF58476D1CE4E5B9ull;
+  hash = (hash ^ (hash >> 27)) * 0x94D049BB133111EBull;
+  return hash ^ (hash >> 31);
+}
 
 // SplitMix64 generator with uniform and normal draws. Period 2^64, passes
 // BigCrush; not for cryptography.

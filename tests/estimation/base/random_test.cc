@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 namespace waymark {
 namespace {
@@ -54,6 +55,19 @@ TEST(Random, SameSeedSameNumbers) {
     differs |= x != c.Normal();
   }
   EXPECT_TRUE(differs);
+}
+
+TEST(Random, SeedsOfNamesAndOfSeedsDiffer) {
+  std::set<std::uint64_t> seeds;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    for (const char* name :
+         {"", "a", "b", "aa", "robot.wheels", "robot.slip"}) {
+      seeds.insert(SeedFor(seed, name));
+    }
+  }
+  EXPECT_EQ(seeds.size(), 6000u);
+  // Fixed: it decides what every stored experiment was run with.
+  EXPECT_EQ(SeedFor(1, "robot.wheels"), SeedFor(1, "robot.wheels"));
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+// What of a mesh stands in the way of a robot: its outline on the floor.
+#pragma once
+
+#include "drivers/simulator/scene.h"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace waymark {
+
+// Heights over W's z = 0, m, that a robot passes through: what lies wholly
+// below (the floor, a mat) or above (a lintel, a table's top) is no obstacle.
+struct HeightBand {
+  double low = 0.02;
+  double high = 0.5;
+};
+
+struct Segment2 {
+  Eigen::Vector2d a = Eigen::Vector2d::Zero();
+  Eigen::Vector2d b = Eigen::Vector2d::Zero();
+};
+
+// Edges of the projections of all triangles, each clipped to the band, onto
+// the plane z = 0: one segment of an upright triangle, a polygon's edges of any
+// other. Pieces of one line that overlap or touch are joined. In an order that
+// depends on the mesh only.
+//
+// Throws std::logic_error unless low < high and all are finite, and for an
+// index that the mesh does not have.
+[[nodiscard]] std::vector<Segment2> OutlineOfMesh(const SceneMesh& mesh,
+                                                  const HeightBand& band);
+
+}  // namespace waymark
