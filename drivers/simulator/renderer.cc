@@ -1,0 +1,382 @@
+#include "drivers/simulator/renderer.h"
+
+#include "drivers/simulator/parallel_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+constexpr int kLanes = RayPacket::kLanes;
+static_assert(kLanes == CameraRays::kLanes);
+
+// What the centre of a pixel sees.
+struct PixelHit {
+  std::uint32_t triangle = RayPacket::kNothing;
+  std::int32_t mover = RayPacket::kStatic;
+  float distance = 0.0f;
+  bool has_ray = false;
+};
+
+struct Offset {
+  float x = 0.0f;
+  float y = 0.0f;
+};
+
+// A grid turned so that edges near the horizontal and the vertical, which
+// rooms are full of, cross its four samples one by one.
+constexpr std::array<Offset, 4> kLiveOffsets = {
+    Offset{-0.125f, -0.375f},
+    Offset{0.375f, -0.125f},
+    Offset{-0.375f, 0.125f},
+    Offset{0.125f, 0.375f},
+};
+// Each of the four samples stands for a quarter of the pixel's area.
+constexpr float kLiveScale = 0.5f;
+
+constexpr int kStillGrid = 4;
+constexpr float kStillScale = 1.0f / static_cast<float>(kStillGrid);
+
+constexpr std::array<Offset, 16> kStillOffsets = [] {
+  std::array<Offset, 16> offsets{};
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    offsets[i] = {
+        (static_cast<float>(i % kStillGrid) + 0.5f) / kStillGrid - 0.5f,
+        (static_cast<float>(i / kStillGrid) + 0.5f) / kStillGrid - 0.5f};
+  }
+  return offsets;
+}();
+
+// One call of Render: shared by its threads.
+class Frame {
+ public:
+  Frame(const RayCaster& caster,
+        const SurfaceShader& shader,
+        const CameraRays& camera,
+        const Eigen::Isometry3d& X_WC,
+        std::span<const Eigen::Isometry3d> X_WP)
+      : caster_(caster),
+        shader_(shader),
+        camera_(camera),
+        R_WC_(X_WC.rotation().cast<float>()),
+        p_WC_(X_WC.translation()),
+        placement_(caster.Place(X_WP)),
+        movers_(shader.Place(X_WP, p_WC_)),
+        hits_(static_cast<std::size_t>(camera.size().width) *
+              static_cast<std::size_t>(camera.size().height)) {}
+
+  [[nodiscard]] const PixelHit& hit(int x, int y) const {
+    return hits_[static_cast<std::size_t>(y) *
+                     static_cast<std::size_t>(camera_.size().width) +
+                 static_cast<std::size_t>(x)];
+  }
+
+  // Centres of two rows of pixels; their colours too where `linear` is given.
+  void TraceCentres(int block_row, cv::Mat3f* linear) {
+    for (int column = 0; column < camera_.num_block_columns(); ++column) {
+      const CameraRays::Block& block = camera_.block(block_row, column);
+      if (block.valid == 0) continue;
+      RayFan fan;
+      TurnToWorld(block, &fan);
+      Trace(&fan);
+      alignas(32) std::array<Float4, kLanes> colours;
+      if (linear != nullptr) {
+        shader_.Shade(fan, movers_, 1.0f, colours.data());
+      }
+      StoreBlock(block_row, column, fan.rays, colours, linear);
+    }
+  }
+
+  // Mean of samples at `offsets` from the centres of the pixels of a row for
+  // which `is_wanted`.
+  template <std::size_t kNum, typename Wanted>
+  void Supersample(int y,
+                   const std::array<Offset, kNum>& offsets,
+                   float footprint_scale,
+                   const Wanted& is_wanted,
+                   cv::Mat3f* linear) const {
+    // A packet holds samples of several pixels, or a pixel has several packets.
+    constexpr auto kPixels =
+        static_cast<int>(kNum < kLanes ? kLanes / kNum : 1);
+    std::array<int, kPixels> columns{};
+    int num_columns = 0;
+    for (int x = 0; x < camera_.size().width; ++x) {
+      if (hit(x, y).has_ray && is_wanted(x, y)) columns[num_columns++] = x;
+      if (num_columns == kPixels ||
+          (x + 1 == camera_.size().width && num_columns > 0)) {
+        SamplePixels(std::span(columns.data(), num_columns),
+                     y,
+                     std::span(offsets),
+                     footprint_scale,
+                     linear);
+        num_columns = 0;
+      }
+    }
+  }
+
+  // Whether a pixel and one of its four neighbours see different surfaces.
+  [[nodiscard]] bool IsEdge(int x, int y) const {
+    const PixelHit& here = hit(x, y);
+    const auto differs = [&](int other_x, int other_y) {
+      if (other_x < 0 || other_y < 0 || other_x >= camera_.size().width ||
+          other_y >= camera_.size().height) {
+        return false;
+      }
+      const PixelHit& other = hit(other_x, other_y);
+      if (other.triangle == here.triangle && other.mover == here.mover) {
+        return false;
+      }
+      return other.has_ray && !AreOneSurface(here, x, y, other);
+    };
+    return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) ||
+           differs(x, y + 1);
+  }
+
+ private:
+  void TurnToWorld(const CameraRays::Block& block, RayFan* fan) const {
+    SetOrigin(p_WC_.cast<float>(), &fan->rays);
+    for (int i = 0; i < 3; ++i) {
+      const float x = R_WC_(i, 0);
+      const float y = R_WC_(i, 1);
+      const float z = R_WC_(i, 2);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        fan->rays.direction[i][lane] = x * block.direction[0][lane] +
+                                       y * block.direction[1][lane] +
+                                       z * block.direction[2][lane];
+        fan->d_x[i][lane] = x * block.d_x[0][lane] + y * block.d_x[1][lane] +
+                            z * block.d_x[2][lane];
+        fan->d_y[i][lane] = x * block.d_y[0][lane] + y * block.d_y[1][lane] +
+                            z * block.d_y[2][lane];
+      }
+    }
+    fan->rays.active = block.valid;
+  }
+
+  void Trace(RayFan* fan) const {
+    caster_.Trace(&fan->rays, &placement_);
+    shader_.RefineDistances(p_WC_, &fan->rays);
+  }
+
+  void StoreBlock(int block_row,
+                  int column,
+                  const RayPacket& rays,
+                  const std::array<Float4, kLanes>& colours,
+                  cv::Mat3f* linear) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if ((rays.active >> lane & 1u) == 0) continue;
+      const int x =
+          column * CameraRays::kBlockWidth + lane % CameraRays::kBlockWidth;
+      const int y =
+          block_row * CameraRays::kBlockHeight + lane / CameraRays::kBlockWidth;
+      PixelHit& pixel =
+          hits_[static_cast<std::size_t>(y) *
+                    static_cast<std::size_t>(camera_.size().width) +
+                static_cast<std::size_t>(x)];
+      pixel = {rays.triangle[lane],
+               rays.mover[lane],
+               rays.triangle[lane] == RayPacket::kNothing ? 0.0f
+                                                          : rays.distance[lane],
+               true};
+      if (linear != nullptr) {
+        const Float4& colour = colours[static_cast<std::size_t>(lane)];
+        (*linear)(y, x) = {colour[0], colour[1], colour[2]};
+      }
+    }
+  }
+
+  // Lane `lane` of `fan` becomes the ray of a pixel, `offset` from its centre.
+  void SetSample(
+      int x, int y, const Offset& offset, int lane, RayFan* fan) const {
+    const CameraRays::Block& block = camera_.block(y / CameraRays::kBlockHeight,
+                                                   x / CameraRays::kBlockWidth);
+    const int from = y % CameraRays::kBlockHeight * CameraRays::kBlockWidth +
+                     x % CameraRays::kBlockWidth;
+    Eigen::Vector3f direction;
+    Eigen::Vector3f d_x;
+    Eigen::Vector3f d_y;
+    for (int i = 0; i < 3; ++i) {
+      d_x[i] = block.d_x[i][from];
+      d_y[i] = block.d_y[i][from];
+      direction[i] =
+          block.direction[i][from] + offset.x * d_x[i] + offset.y * d_y[i];
+    }
+    direction = R_WC_ * direction;
+    d_x = R_WC_ * d_x;
+    d_y = R_WC_ * d_y;
+    for (int i = 0; i < 3; ++i) {
+      fan->rays.direction[i][lane] = direction[i];
+      fan->d_x[i][lane] = d_x[i];
+      fan->d_y[i][lane] = d_y[i];
+    }
+    fan->rays.active |= 1u << lane;
+  }
+
+  void SamplePixels(std::span<const int> columns,
+                    int y,
+                    std::span<const Offset> offsets,
+                    float footprint_scale,
+                    cv::Mat3f* linear) const {
+    const auto num_offsets = static_cast<int>(offsets.size());
+    const auto num_samples = static_cast<int>(columns.size()) * num_offsets;
+    std::array<Float4, 2> sums{};  // As many pixels as fit into a packet.
+    for (int first = 0; first < num_samples; first += kLanes) {
+      RayFan fan;
+      SetOrigin(p_WC_.cast<float>(), &fan.rays);
+      fan.rays.active = 0;
+      const int num_lanes = std::min(kLanes, num_samples - first);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        // Lanes without a sample repeat the first one's ray, unused.
+        const int sample = first + (lane < num_lanes ? lane : 0);
+        SetSample(columns[static_cast<std::size_t>(sample / num_offsets)],
+                  y,
+                  offsets[static_cast<std::size_t>(sample % num_offsets)],
+                  lane,
+                  &fan);
+      }
+      fan.rays.active = (1u << num_lanes) - 1u;
+      Trace(&fan);
+      alignas(32) std::array<Float4, kLanes> colours;
+      shader_.Shade(fan, movers_, footprint_scale, colours.data());
+      for (int lane = 0; lane < num_lanes; ++lane) {
+        sums[static_cast<std::size_t>((first + lane) / num_offsets)] +=
+            colours[static_cast<std::size_t>(lane)];
+      }
+    }
+    const float share = 1.0f / static_cast<float>(num_offsets);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      (*linear)(y, columns[i]) = {
+          share * sums[i][0], share * sums[i][1], share * sums[i][2]};
+    }
+  }
+
+  // Of two pixels with different triangles: whether they go on from each
+  // other smoothly.
+  [[nodiscard]] bool AreOneSurface(const PixelHit& a,
+                                   int /*x*/,
+                                   int /*y*/,
+                                   const PixelHit& b) const {
+    if (a.mover != b.mover || a.triangle == RayPacket::kNothing ||
+        b.triangle == RayPacket::kNothing) {
+      return false;
+    }
+    const ShadedTriangle& s = shader_.triangle(a.mover, a.triangle);
+    const ShadedTriangle& t = shader_.triangle(b.mover, b.triangle);
+    if (s.material != t.material || s.surface != t.surface) return false;
+    const Eigen::Map<const Eigen::Vector3d> normal_s(s.normal);
+    const Eigen::Map<const Eigen::Vector3d> normal_t(t.normal);
+    // A turn by 18 degrees changes the light by less than edges show.
+    constexpr double kSmooth = 0.95;
+    if (std::abs(normal_s.dot(normal_t)) < kSmooth) return false;
+    // Neighbouring pixels of a smooth surface lie about equally far; at flat
+    // angles they may not, and are sampled more finely for nothing.
+    constexpr float kJump = 0.05f;
+    return std::abs(a.distance - b.distance) <
+           kJump * std::min(a.distance, b.distance);
+  }
+
+  const RayCaster& caster_;
+  const SurfaceShader& shader_;
+  const CameraRays& camera_;
+  Eigen::Matrix3f R_WC_;
+  Eigen::Vector3d p_WC_;
+  RayCaster::Placement placement_;
+  std::vector<PlacedMover> movers_;
+  std::vector<PixelHit> hits_;
+};
+
+void StoreImageRow(const cv::Mat3f& linear,
+                   const SrgbTable& srgb,
+                   int y,
+                   cv::Mat3b* image) {
+  const cv::Vec3f* from = linear[y];
+  cv::Vec3b* to = (*image)[y];
+  for (int x = 0; x < linear.cols; ++x) {
+    for (int c = 0; c < 3; ++c) to[x][c] = srgb.FromLinear(from[x][c]);
+  }
+}
+
+void StoreGeometryRow(const Frame& frame,
+                      const SurfaceShader& shader,
+                      int y,
+                      RenderedView* view) {
+  const int width =
+      std::max({view->depth.cols, view->surface.cols, view->floor.cols});
+  for (int x = 0; x < width; ++x) {
+    const PixelHit& hit = frame.hit(x, y);
+    if (hit.triangle == RayPacket::kNothing) continue;
+    const std::uint32_t surface =
+        shader.triangle(hit.mover, hit.triangle).surface;
+    if (!view->depth.empty()) view->depth(y, x) = hit.distance;
+    if (!view->surface.empty()) {
+      view->surface(y, x) = static_cast<int>(surface);
+    }
+    if (!view->floor.empty() &&
+        shader.surfaces()[surface].kind == SurfaceKind::kFloor) {
+      view->floor(y, x) = 255;
+    }
+  }
+}
+
+}  // namespace
+
+void RendererOptions::Check() const {
+  if (num_threads < 1) {
+    throw std::invalid_argument("renderer: num_threads must be at least 1");
+  }
+}
+
+Renderer::Renderer(const Scene& scene, const RendererOptions& options)
+    : options_(options), caster_(scene), shader_(scene) {
+  options.Check();
+}
+
+RenderedView Renderer::Render(const CameraRays& camera,
+                              const Eigen::Isometry3d& X_WC,
+                              std::span<const Eigen::Isometry3d> X_WP,
+                              const RenderOptions& options) const {
+  const cv::Size size(camera.size().width, camera.size().height);
+  RenderedView view;
+  if (options.depth) view.depth = cv::Mat1f::zeros(size);
+  if (options.surface) view.surface = cv::Mat1i(size, -1);
+  if (options.floor) view.floor = cv::Mat1b::zeros(size);
+  Frame frame(caster_, shader_, camera, X_WC, X_WP);
+  const bool has_colour = options.image || options.linear;
+  cv::Mat3f linear;
+  if (has_colour) linear = cv::Mat3f::zeros(size);
+  const bool is_still = options.quality == RenderQuality::kStill;
+  ForEachRow(camera.num_block_rows(), options_.num_threads, [&](int row) {
+    frame.TraceCentres(row, has_colour && !is_still ? &linear : nullptr);
+  });
+  if (options.image) view.image.create(size);
+  ForEachRow(size.height, options_.num_threads, [&](int y) {
+    StoreGeometryRow(frame, shader_, y, &view);
+    if (!has_colour) return;
+    if (is_still) {
+      const auto all = [](int, int) { return true; };
+      frame.Supersample(y, kStillOffsets, kStillScale, all, &linear);
+    } else if (options.quality == RenderQuality::kLive) {
+      const auto edges = [&](int x, int row) { return frame.IsEdge(x, row); };
+      frame.Supersample(y, kLiveOffsets, kLiveScale, edges, &linear);
+    }
+    if (options.image) StoreImageRow(linear, srgb_, y, &view.image);
+  });
+  if (options.linear) view.linear = linear;
+  return view;
+}
+
+RenderedView Renderer::Render(const CameraView& view,
+                              const Eigen::Isometry3d& X_WC,
+                              std::span<const Eigen::Isometry3d> X_WP,
+                              const RenderOptions& options) const {
+  return Render(CameraRays(view), X_WC, X_WP, options);
+}
+
+std::size_t Renderer::num_bytes() const {
+  return caster_.num_bytes() + shader_.num_bytes();
+}
+
+}  // namespace waymark

@@ -1,0 +1,185 @@
+#include "drivers/simulator/texture_sampler.h"
+
+#include "drivers/simulator/srgb.h"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace waymark {
+namespace {
+
+constexpr std::uint32_t kFieldMask = 1023;  // 10 bits a channel.
+constexpr int kFieldBits = 10;
+
+std::uint32_t Pack(const cv::Vec3f& linear) {
+  std::uint32_t packed = 0;
+  for (int c = 0; c < 3; ++c) {
+    const float root = std::sqrt(std::clamp(linear[c], 0.0f, 1.0f));
+    const auto field = static_cast<std::uint32_t>(
+        std::lround(root * static_cast<float>(kFieldMask)));
+    packed |= field << (kFieldBits * c);
+  }
+  return packed;
+}
+
+inline Float4 Unpack(std::uint32_t packed) {
+  const auto bits = static_cast<std::int32_t>(packed);
+  constexpr auto kField = static_cast<std::int32_t>(kFieldMask);
+  const Int4 fields = Int4{bits, bits, bits, bits} &
+                      Int4{kField, kField << 10, kField << 20, 0};
+  constexpr float kUnit = 1.0f / static_cast<float>(kFieldMask);
+  constexpr float kUp10 = kUnit / 1024.0f;
+  constexpr float kUp20 = kUp10 / 1024.0f;
+  const Float4 root =
+      __builtin_convertvector(fields, Float4) * Float4{kUnit, kUp10, kUp20, 0};
+  return root * root;
+}
+
+// Keeps coordinates where an int holds them; NaN becomes the lower bound.
+inline float Bounded(float value) {
+  constexpr float kLargest = 1e6f;
+  const float low = value > -kLargest ? value : -kLargest;
+  return low < kLargest ? low : kLargest;
+}
+
+inline float Fraction(float value) {
+  return value - static_cast<float>(FloorToInt(value));
+}
+
+cv::Mat3f Linear(const cv::Mat3b& image) {
+  cv::Mat3f linear(image.size());
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        linear(y, x)[c] = LinearFromSrgb(image(y, x)[c]);
+      }
+    }
+  }
+  return linear;
+}
+
+}  // namespace
+
+TextureSampler::TextureSampler(const cv::Mat3b& image) {
+  if (image.empty()) throw std::invalid_argument("texture: it is empty");
+  cv::Mat3f linear = Linear(image);
+  AppendLevel(linear);
+  while (linear.cols > 1 || linear.rows > 1) {
+    cv::Mat3f half;
+    cv::resize(linear,
+               half,
+               {std::max(1, linear.cols / 2), std::max(1, linear.rows / 2)},
+               0.0,
+               0.0,
+               cv::INTER_AREA);
+    linear = half;
+    AppendLevel(linear);
+  }
+  const cv::Vec3f last = linear(0, 0);
+  mean_ = Float4{last[0], last[1], last[2], 0.0f};
+}
+
+void TextureSampler::AppendLevel(const cv::Mat3f& linear) {
+  levels_.push_back({linear.cols, linear.rows, texels_.size()});
+  texels_.reserve(texels_.size() + linear.total());
+  for (const cv::Vec3f& texel : linear) texels_.push_back(Pack(texel));
+}
+
+std::size_t TextureSampler::num_bytes() const {
+  return texels_.size() * sizeof(texels_[0]);
+}
+
+inline Float4 TextureSampler::Bilinear(const Level& level,
+                                       float u,
+                                       float v) const {
+  // Texel centres are at half numbers; u and v are in [0, 1].
+  const float x = u * static_cast<float>(level.width) - 0.5f;
+  const float y = v * static_cast<float>(level.height) - 0.5f;
+  int x0 = FloorToInt(x);
+  int y0 = FloorToInt(y);
+  const Float4 fx = Broadcast(x - static_cast<float>(x0));
+  const Float4 fy = Broadcast(y - static_cast<float>(y0));
+  int x1 = x0 + 1;
+  int y1 = y0 + 1;
+  x0 = x0 < 0 ? level.width - 1 : std::min(x0, level.width - 1);
+  y0 = y0 < 0 ? level.height - 1 : std::min(y0, level.height - 1);
+  x1 = x1 >= level.width ? 0 : x1;
+  y1 = y1 >= level.height ? 0 : y1;
+  const std::uint32_t* top =
+      texels_.data() + level.first + std::size_t(y0) * std::size_t(level.width);
+  const std::uint32_t* bottom =
+      texels_.data() + level.first + std::size_t(y1) * std::size_t(level.width);
+  const Float4 a = Unpack(top[x0]);
+  const Float4 b = Unpack(top[x1]);
+  const Float4 c = Unpack(bottom[x0]);
+  const Float4 d = Unpack(bottom[x1]);
+  const Float4 upper = a + fx * (b - a);
+  const Float4 lower = c + fx * (d - c);
+  return upper + fy * (lower - upper);
+}
+
+inline Float4 TextureSampler::Trilinear(float level, float u, float v) const {
+  u = Fraction(u);
+  v = Fraction(v);
+  if (level <= 0.0f) return Bilinear(levels_[0], u, v);
+  const auto last = levels_.size() - 1;
+  const auto finer = static_cast<std::size_t>(level);
+  if (finer >= last) return mean_;
+  const Float4 fine = Bilinear(levels_[finer], u, v);
+  const Float4 coarse = Bilinear(levels_[finer + 1], u, v);
+  return fine + Broadcast(level - static_cast<float>(finer)) * (coarse - fine);
+}
+
+Float4 TextureSampler::Sample(float u,
+                              float v,
+                              const TextureFootprint& footprint,
+                              int max_probes) const {
+  if (levels_.size() == 1) return mean_;
+  u = Bounded(u);
+  v = Bounded(v);
+  const auto width = static_cast<float>(levels_[0].width);
+  const auto height = static_cast<float>(levels_[0].height);
+  const float ux = footprint.du_dx * width;
+  const float vx = footprint.dv_dx * height;
+  const float uy = footprint.du_dy * width;
+  const float vy = footprint.dv_dy * height;
+  const float square_x = ux * ux + vx * vx;
+  const float square_y = uy * uy + vy * vy;
+  const bool is_x_longer = square_x > square_y;
+  const float longer = is_x_longer ? square_x : square_y;
+  // Not even one texel: nothing to filter. NaN ends here too.
+  if (!(longer > 1.0f)) return Trilinear(0.0f, u, v);
+  if (longer > 1e12f) return mean_;  // Wider than any texture.
+  // The pixel's area over its length is its width, however it is skewed.
+  const float area = std::abs(ux * vy - uy * vx);
+  const float narrower =
+      std::max(area * area / longer, 1.0f);  // Square of the width.
+  int num_probes = 1;
+  // Squares: a probe more for each time the length outgrows the width by it.
+  while (num_probes < max_probes &&
+         longer > static_cast<float>(num_probes * num_probes) * narrower) {
+    ++num_probes;
+  }
+  const float per_probe = 1.0f / static_cast<float>(num_probes);
+  const float level = 0.5f * RoughLog2(longer * per_probe * per_probe);
+  if (num_probes == 1) return Trilinear(level, u, v);
+  const float step_u =
+      per_probe * (is_x_longer ? footprint.du_dx : footprint.du_dy);
+  const float step_v =
+      per_probe * (is_x_longer ? footprint.dv_dx : footprint.dv_dy);
+  const float first = 0.5f * static_cast<float>(1 - num_probes);
+  u += first * step_u;
+  v += first * step_v;
+  Float4 sum{};
+  for (int i = 0; i < num_probes; ++i) {
+    sum += Trilinear(level,
+                     u + static_cast<float>(i) * step_u,
+                     v + static_cast<float>(i) * step_v);
+  }
+  return sum * Broadcast(per_probe);
+}
+
+}  // namespace waymark

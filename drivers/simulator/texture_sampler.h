@@ -1,0 +1,62 @@
+// Textures seen from any distance and angle, without aliasing.
+#pragma once
+
+#include "drivers/simulator/simd.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <cstdint>
+#include <vector>
+
+namespace waymark {
+
+// How the texture's coordinates change from a pixel to the next one to the
+// right (x) and below (y), in repetitions of the texture.
+struct TextureFootprint {
+  float du_dx = 0.0f;
+  float dv_dx = 0.0f;
+  float du_dy = 0.0f;
+  float dv_dy = 0.0f;
+};
+
+// A texture with its mip-maps (each half the size of the one before, area
+// filtered in linear light; sizes need not be powers of two), which repeats.
+//
+// A sample is the mean, in linear light, of trilinear probes along the longer
+// axis of the footprint, as many as it is longer than the shorter one, up to
+// `max_probes`; beyond that the texture blurs rather than aliases. Texels are
+// kept as 10 bits of the square root of the light, finer than the sRGB curve
+// of 8 bits: four bytes a texel, 5.3 with the mip-maps.
+class TextureSampler {
+ public:
+  // 8-bit BGR, sRGB curve. Throws std::invalid_argument for an empty image.
+  explicit TextureSampler(const cv::Mat3b& image);
+
+  // Linear BGR at (u, v) in repetitions, (0, 0) the corner of the top-left
+  // texel. Coordinates beyond a million, or not finite, give some texel.
+  [[nodiscard]] Float4 Sample(float u,
+                              float v,
+                              const TextureFootprint& footprint,
+                              int max_probes) const;
+
+  // Of the whole texture, linear BGR.
+  [[nodiscard]] Float4 mean() const { return mean_; }
+  [[nodiscard]] std::size_t num_bytes() const;
+
+ private:
+  struct Level {
+    int width = 1;
+    int height = 1;
+    std::size_t first = 0;  // In texels_.
+  };
+
+  void AppendLevel(const cv::Mat3f& linear);
+  [[nodiscard]] Float4 Bilinear(const Level& level, float u, float v) const;
+  [[nodiscard]] Float4 Trilinear(float level, float u, float v) const;
+
+  std::vector<Level> levels_;
+  std::vector<std::uint32_t> texels_;
+  Float4 mean_{};
+};
+
+}  // namespace waymark
