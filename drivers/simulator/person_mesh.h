@@ -24,7 +24,7 @@ struct PersonOptions {
 };
 
 // Appends a person who looks along x to the scene's movers, and their
-// materials and one surface `name` to the scene. About 2,500 triangles; the
+// materials and one surface `name` to the scene. About 3,000 triangles; the
 // same options give the same mesh. Returns the index in Scene::movers.
 std::size_t AppendPerson(const std::string& name,
                          const PersonOptions& options,
