@@ -4,6 +4,7 @@
 #include "estimation/camera/camera_parameters.h"
 #include "estimation/geometry/angle.h"
 #include "processes/support/configuration.h"
+#include "processes/support/shipped_file.h"
 
 #include <cmath>
 #include <functional>
@@ -148,6 +149,10 @@ std::string YamlOfCamera(const CameraDescription& camera) {
     contents.head.assign(camera.p_RH->begin(), camera.p_RH->end());
   }
   return PrintConfiguration([&](Describer& d) { contents.Describe(d); });
+}
+
+std::string FindCameraFile(const std::string& name) {
+  return FindShippedFile(name, "cameras", "drivers/simulator/cameras", ".yaml");
 }
 
 }  // namespace waymark

@@ -48,6 +48,10 @@ struct CameraDescription {
 // The same from text; `source` names it in errors.
 [[nodiscard]] CameraDescription CameraFromYaml(const std::string& yaml,
                                                const std::string& source);
+// Path of a camera by name or path; a name may be one of those that come with
+// Waymark: perspective, fisheye, mirror, panorama. Throws InputError that lists
+// them.
+[[nodiscard]] std::string FindCameraFile(const std::string& name);
 // Loads back to the same numbers, but for rounding of the mounting's angles.
 [[nodiscard]] std::string YamlOfCamera(const CameraDescription& camera);
 

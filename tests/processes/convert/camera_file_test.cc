@@ -103,5 +103,29 @@ TEST(CameraFile, BadOnesAreOneLine) {
   EXPECT_THAT(ErrorOf("fx: .nan\n"), HasSubstr("fx"));
 }
 
+TEST(CameraFile, AllThatComeWithWaymarkLoad) {
+  for (const char* name : {"perspective", "fisheye", "mirror", "panorama"}) {
+    const CameraDescription camera = LoadCameraFile(FindCameraFile(name));
+    const Eigen::Vector2d middle(0.5 * (camera.size.width - 1),
+                                 0.5 * (camera.size.height - 1));
+    const auto ray = RayFromPixel(camera.model, middle);
+    ASSERT_TRUE(ray.has_value()) << name;
+    // Forward, or straight down: what a mirror sees in its middle is the lens.
+    const Eigen::Vector3d ray_R = camera.X_RC.linear() * ray->ray;
+    const bool is_mirror = std::string(name) == "mirror";
+    const double along = is_mirror ? -ray_R.z() : ray_R.x();
+    EXPECT_GT(along, 0.99) << name;
+  }
+}
+
+// The panorama's left and right edges meet behind the robot.
+TEST(CameraFile, ThePanoramaIsAWholeTurn) {
+  const CameraDescription camera = LoadCameraFile(FindCameraFile("panorama"));
+  const auto left = RayFromPixel(camera.model, {-0.499, 127.5});
+  const auto right = RayFromPixel(camera.model, {1023.499, 127.5});
+  ASSERT_TRUE(left && right);
+  EXPECT_LT((left->ray - right->ray).norm(), 1e-4);
+}
+
 }  // namespace
 }  // namespace waymark
