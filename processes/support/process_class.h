@@ -35,11 +35,13 @@ class ProcessSetup {
 struct ProcessClass {
   std::string name;  // procman's, the executable's and the folder's.
   std::function<std::unique_ptr<ProcessSetup>()> make_setup;
+  bool is_live_only = false;  // Drives a device: there is no offline run.
 };
 
 // P has a nested type Config with Describe(Describer&) and, if it wants one,
 // Check() const; a constant kName; a constructor (const Config&, Bus*); and if
-// it wants one, Finish().
+// it wants one, Finish(). A constant kIsLiveOnly = true says that it drives a
+// device.
 template <typename P>
 [[nodiscard]] ProcessClass MakeProcessClass() {
   class Running final : public RunningProcess {
@@ -68,7 +70,11 @@ template <typename P>
    private:
     typename P::Config config_;
   };
-  return {std::string(P::kName), [] { return std::make_unique<Setup>(); }};
+  return {std::string(P::kName),
+          [] { return std::make_unique<Setup>(); },
+          requires {requires P::kIsLiveOnly;
+}
+};  // namespace waymark
 }
 
 }  // namespace waymark

@@ -196,6 +196,9 @@ ReplayReport RunReplay(const std::vector<ReplayProcess>& processes,
     if (!names.insert(name).second) {
       throw InputError(name + ": named twice; a log has one of each process");
     }
+    if (process.process_class.is_live_only) {
+      throw InputError(name + ": drives a device, so it cannot run on a log");
+    }
     setups.push_back(process.process_class.make_setup());
     setups.back()->Load(process.config_path, process.settings);
   }
