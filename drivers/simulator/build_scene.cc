@@ -1,0 +1,189 @@
+#include "drivers/simulator/build_scene.h"
+
+#include "drivers/simulator/build_furniture.h"
+#include "drivers/simulator/build_rooms.h"
+#include "drivers/simulator/people.h"
+#include "drivers/simulator/person_mesh.h"
+#include "drivers/simulator/walk_area.h"
+#include "drivers/simulator/wall_pictures.h"
+#include "estimation/base/input_error.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace waymark {
+namespace {
+
+constexpr double kPictureDepth = 0.02;  // How far it stands out of the wall.
+constexpr double kLampDepth = 0.03;     // How far a panel hangs below.
+// Of a lamp whose `light` is 1, linear BGR: slightly warm. With a panel of
+// 0.6 m every 2.4 m it makes white walls show at some 200 of 255.
+const Eigen::Vector3d kLampRadiance(4.0, 4.3, 4.5);
+// Around a lamp's light, below its panel, so that no ray to it meets the panel.
+constexpr double kLightGap = 0.005;
+constexpr double kAmbient = 0.25;
+// What is built of floor plans; people of theirs are guided around it.
+constexpr int kRoundPillarSides = 32;
+
+class SceneBuilder {
+ public:
+  explicit SceneBuilder(const World& world)
+      : world_(world),
+        layout_(ResolveLayout(world)),
+        finishes_(world, &scene_) {}
+
+  Scene Run() {
+    scene_.ambient = Eigen::Vector3d::Constant(kAmbient * world_.ambient);
+    BuildRooms(world_, layout_, &finishes_, &scene_);
+    for (const WorldPillar& pillar : world_.pillars) AddPillar(pillar);
+    for (const WorldFurniture& piece : world_.furniture) {
+      BuildFurniture(piece, &finishes_, &scene_);
+    }
+    for (const HungPicture& picture : HangPictures(world_, layout_)) {
+      AddPicture(picture);
+    }
+    for (const WorldRoom& room : world_.rooms) AddLampGrid(room);
+    for (const WorldLamp& lamp : world_.lamps) {
+      AddLamp(lamp.at, lamp.size, lamp.light);
+    }
+    for (const WorldPerson& person : world_.people) AddPerson(person);
+    Check();
+    return std::move(scene_);
+  }
+
+ private:
+  MeshBuilder BuilderFor(const std::string& name, SurfaceKind kind) {
+    return {&scene_.mesh, AddSurface(name, kind, &scene_)};
+  }
+
+  void AddPillar(const WorldPillar& pillar) {
+    const int room = RoomAt(world_, pillar.at);
+    if (room < 0) throw InputError(pillar.where + ": at: is in no room");
+    const double height = world_.rooms[static_cast<std::size_t>(room)].height;
+    const Finish finish =
+        finishes_.Get(pillar.material, pillar.where, "material");
+    MeshBuilder builder = BuilderFor("pillar", SurfaceKind::kPillar);
+    Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+    X_WB.translation() << pillar.at, 0.0;
+    X_WB.linear() = Eigen::AngleAxisd(pillar.heading, Eigen::Vector3d::UnitZ())
+                        .toRotationMatrix();
+    const double half = pillar.size / 2.0;
+    if (pillar.shape == PillarShape::kSquare) {
+      builder.AddBox(X_WB,
+                     {-half, -half, 0.0},
+                     {half, half, height},
+                     finish,
+                     kFront | kBack | kLeft | kRight);
+    } else {
+      builder.AddColumn(
+          X_WB, 0.0, height, half, half, kRoundPillarSides, finish, kLeft);
+    }
+  }
+
+  void AddPicture(const HungPicture& picture) {
+    const WorldRoom& room =
+        world_.rooms[static_cast<std::size_t>(picture.room)];
+    WorldLook look = picture.look;
+    if (IsOnePiece(look.pattern.kind)) look.pattern.size = picture.size;
+    const std::string name =
+        look.image.empty() ? NameOf(look.pattern.kind) : look.image;
+    Finish finish = finishes_.Make(look, name, picture.where);
+    finish.is_one_piece = true;
+    MeshBuilder builder = BuilderFor(
+        room.name + " " + NameOfWall(room, picture.wall) + " " + name,
+        SurfaceKind::kPicture);
+    const WallFrame frame = FrameOfWall(room, picture.wall);
+    const double x = picture.size.x() / 2.0;
+    const double z = picture.size.y() / 2.0;
+    const Eigen::Isometry3d X_WB =
+        frame.X_WE * Eigen::Translation3d(picture.along, 0.0, picture.height);
+    builder.AddBox(X_WB, {-x, 0.0, -z}, {x, kPictureDepth, z}, finish, kLeft);
+    builder.AddBox(X_WB,
+                   {-x, 0.0, -z},
+                   {x, kPictureDepth, z},
+                   finishes_.Get("dark", picture.where, "frame"),
+                   kFront | kBack | kTop | kBottom);
+  }
+
+  void AddLampGrid(const WorldRoom& room) {
+    Eigen::Vector2d low = room.outline[0];
+    Eigen::Vector2d high = room.outline[0];
+    for (const Eigen::Vector2d& p : room.outline) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    for (int i = 0; i < room.lamps[0]; ++i) {
+      for (int k = 0; k < room.lamps[1]; ++k) {
+        const Eigen::Vector2d at =
+            low + (high - low)
+                      .cwiseProduct(Eigen::Vector2d((i + 0.5) / room.lamps[0],
+                                                    (k + 0.5) / room.lamps[1]));
+        // Of an L or U only what is over its floor.
+        const Eigen::Vector2d half = room.lamp_size / 2.0;
+        const bool fits = IsInside(room.outline, at - half) &&
+                          IsInside(room.outline, at + half);
+        if (fits) {
+          AddLamp({at.x(), at.y(), room.height}, room.lamp_size, room.light);
+        }
+      }
+    }
+  }
+
+  // A panel under `at`.
+  void AddLamp(const Eigen::Vector3d& at,
+               const Eigen::Vector2d& size,
+               double light) {
+    MeshBuilder builder = BuilderFor("lamp", SurfaceKind::kLamp);
+    Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+    X_WB.translation() = at;
+    const Eigen::Vector3d half(size.x() / 2.0, size.y() / 2.0, 0.0);
+    const Eigen::Vector3d down(0.0, 0.0, -kLampDepth);
+    builder.AddBox(X_WB, down - half, half, finishes_.Lamp(), kBottom);
+    builder.AddBox(X_WB,
+                   down - half,
+                   half,
+                   finishes_.Get("white", "lamp", "material"),
+                   kFront | kBack | kLeft | kRight);
+    SceneLamp lamp;
+    lamp.p_W = at + down - Eigen::Vector3d(0.0, 0.0, kLightGap);
+    lamp.size = size;
+    lamp.radiance = light * kLampRadiance;
+    scene_.lamps.push_back(lamp);
+  }
+
+  void AddPerson(const WorldPerson& person) {
+    PersonOptions options;
+    options.height = person.height;
+    options.radius = kPersonRadius;
+    options.seed = person.seed;
+    options.pose = person.motion == PersonMotion::kStand ? PersonPose::kStanding
+                                                         : PersonPose::kMidStep;
+    try {
+      AppendPerson(person.name, options, &scene_);
+    } catch (const std::invalid_argument& error) {
+      throw InputError(person.where + ": " + error.what());
+    }
+  }
+
+  void Check() const {
+    try {
+      CheckScene(scene_);
+    } catch (const std::invalid_argument& error) {
+      throw InputError(world_.source + ": " + error.what());
+    }
+  }
+
+  const World& world_;
+  Scene scene_;
+  Layout layout_;
+  Finishes finishes_;
+};
+
+}  // namespace
+
+Scene BuildScene(const World& world) {
+  return SceneBuilder(world).Run();
+}
+
+}  // namespace waymark

@@ -1,0 +1,131 @@
+#include "drivers/simulator/walk_area.h"
+
+#include "drivers/simulator/world_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace waymark {
+namespace {
+
+constexpr double kNoPlan = 1e3;  // Farther than any wall.
+constexpr int kPillarSides = 24;
+
+double DistanceTo(const WalkArea::Segment& segment, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d along = segment[1] - segment[0];
+  const double length2 = along.squaredNorm();
+  const double t =
+      length2 > 0.0
+          ? std::clamp((p - segment[0]).dot(along) / length2, 0.0, 1.0)
+          : 0.0;
+  return (segment[0] + t * along - p).norm();
+}
+
+bool IsInAny(const std::vector<WalkArea::Outline>& outlines,
+             const Eigen::Vector2d& p) {
+  return std::any_of(outlines.begin(), outlines.end(), [&](const auto& o) {
+    return IsInside(o, p);
+  });
+}
+
+WalkArea::Outline RectangleAt(const Eigen::Vector2d& at,
+                              double heading,
+                              double depth,
+                              double width) {
+  const Eigen::Rotation2Dd R(heading);
+  WalkArea::Outline outline;
+  for (const auto& [x, y] :
+       {std::pair(-0.5, -0.5), {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
+    outline.push_back(at + R * Eigen::Vector2d(x * depth, y * width));
+  }
+  return outline;
+}
+
+}  // namespace
+
+WalkArea::Outline OutlineOf(const WorldPillar& pillar) {
+  if (pillar.shape == PillarShape::kSquare) {
+    return RectangleAt(pillar.at, pillar.heading, pillar.size, pillar.size);
+  }
+  WalkArea::Outline outline;
+  for (int i = 0; i < kPillarSides; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kPillarSides;
+    outline.push_back(pillar.at +
+                      pillar.size / 2.0 *
+                          Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+  }
+  return outline;
+}
+
+WalkArea::Outline OutlineOf(const WorldFurniture& piece) {
+  return RectangleAt(piece.at, piece.heading, piece.size.x(), piece.size.y());
+}
+
+WalkArea::WalkArea(const World& world) {
+  AddWalls(world);
+  for (const WorldPillar& pillar : world.pillars) AddSolid(OutlineOf(pillar));
+  for (const WorldFurniture& piece : world.furniture) {
+    if (piece.z < 1.8) AddSolid(OutlineOf(piece));  // Else one walks below it.
+  }
+}
+
+void WalkArea::AddSolid(Outline outline) {
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    segments_.push_back({outline[i], outline[(i + 1) % outline.size()]});
+  }
+  solids_.push_back(std::move(outline));
+}
+
+void WalkArea::AddWalls(const World& world) {
+  const Layout layout = ResolveLayout(world);
+  for (std::size_t r = 0; r < world.rooms.size(); ++r) {
+    floors_.push_back(world.rooms[r].outline);
+    for (std::size_t w = 0; w < world.rooms[r].outline.size(); ++w) {
+      const WallFrame frame = FrameOfWall(world.rooms[r], static_cast<int>(w));
+      double begin = 0.0;
+      for (const WallHole& hole : layout.holes[r][w]) {
+        if (hole.begin > begin) {
+          segments_.push_back({frame.At(begin), frame.At(hole.begin)});
+        }
+        begin = hole.end;
+      }
+      if (frame.length > begin) {
+        segments_.push_back({frame.At(begin), frame.At(frame.length)});
+      }
+    }
+  }
+  for (const Passage& passage : layout.passages) {
+    const WallFrame frame = FrameOfWall(
+        world.rooms[static_cast<std::size_t>(passage.room)], passage.wall);
+    const WallHole& hole = passage.hole;
+    const double y = -passage.depth;
+    segments_.push_back({frame.At(hole.begin), frame.At(hole.begin, y)});
+    segments_.push_back({frame.At(hole.end), frame.At(hole.end, y)});
+    floors_.push_back({frame.At(hole.begin, y),
+                       frame.At(hole.end, y),
+                       frame.At(hole.end),
+                       frame.At(hole.begin)});
+    if (passage.door == nullptr) continue;
+    const DoorLeaf leaf = LeafOf(world, passage);
+    const auto at = [&](double x, double ly) -> Eigen::Vector2d {
+      return (leaf.X_WD * Eigen::Vector3d(x, ly, 0.0)).head<2>();
+    };
+    AddSolid({at(0.0, leaf.low),
+              at(leaf.width, leaf.low),
+              at(leaf.width, leaf.high),
+              at(0.0, leaf.high)});
+  }
+}
+
+double WalkArea::Clearance(const Eigen::Vector2d& p_W) const {
+  if (segments_.empty()) return kNoPlan;
+  double distance = kNoPlan;
+  for (const Segment& segment : segments_) {
+    distance = std::min(distance, DistanceTo(segment, p_W));
+  }
+  return IsInAny(floors_, p_W) && !IsInAny(solids_, p_W) ? distance : -distance;
+}
+
+}  // namespace waymark

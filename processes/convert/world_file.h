@@ -1,0 +1,26 @@
+// World files.
+#pragma once
+
+#include "drivers/simulator/world.h"
+
+#include <string>
+
+namespace waymark {
+
+// YAML, read as strictly as a configuration; drivers/simulator/worlds/README.md
+// says what may stand in it. Files that it names are relative to its own
+// folder; ${NAME} in their paths is the environment variable NAME.
+//
+// Throws InputError with one line (file, line, object, key, value, allowed
+// range) for what is unknown, given twice, missing, of a wrong type or out of
+// range. What does not fit together is found by BuildScene().
+[[nodiscard]] World LoadWorldFile(const std::string& path);
+// The same from text; `source` names it in errors, its folder is that of the
+// files it names.
+[[nodiscard]] World WorldFromYaml(const std::string& yaml,
+                                  const std::string& source);
+
+// As FindShippedFile(): "office_u" or a path.
+[[nodiscard]] std::string FindWorldFile(const std::string& name);
+
+}  // namespace waymark
