@@ -37,7 +37,7 @@ endforeach()
 set(middleware "^<(lcm|waymark|bot_core|bot_procman|procman_lcm|spdlog|yaml-cpp|CLI|libwebsockets)[/.]")
 set(screen_headers "^<(opencv2/highgui|QtWidgets|gtk|ncurses)")
 # Headers that one file alone may include.
-set(single_file_headers "embree3/" "sqlite3.h" "termios.h")
+set(single_file_headers "embree3/" "assimp/" "sqlite3.h" "termios.h")
 
 set(clock_pattern
     "(system|steady|high_resolution)_clock|gettimeofday|clock_gettime|[^A-Za-z0-9_]time\\((NULL|nullptr|0)\\)|sleep_for|usleep")

@@ -14,7 +14,7 @@ struct FloorPlanOptions {
   int wall_below = 128;  // Grey values below this are wall.
   // How far an outline may be from the wall's pixels, in pixels. Below 0.5 the
   // stairs of slanting walls stay.
-  double tolerance_px = 0.75;
+  double tolerance_px = 1.0;
   // Specks of wall and holes in walls with fewer pixels are left out.
   int min_pixels = 1;
 

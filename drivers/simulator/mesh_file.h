@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include <cstdint>
+#include <cstddef>
 #include <string>
 
 namespace waymark {
@@ -33,7 +33,7 @@ struct MeshFileReport {
 };
 
 // Bounds that a file may not exceed.
-inline constexpr std::uintmax_t kMaxMeshFileBytes = 256u << 20u;
+inline constexpr std::size_t kMaxMeshFileBytes = std::size_t{256} << 20U;
 inline constexpr int kMaxMeshTriangles = 5'000'000;
 inline constexpr double kMaxMeshExtent = 1000.0;  // m, after scaling.
 
