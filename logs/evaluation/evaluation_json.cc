@@ -8,7 +8,7 @@ namespace {
 using nlohmann::json;
 
 // Keys end in the unit: rmse_m, rmse_rad.
-json JsonOf(const ErrorSummary& summary, const std::string& unit) {
+json JsonOf(const Summary& summary, const std::string& unit) {
   return {{"num", summary.num},
           {"rmse_" + unit, summary.rmse},
           {"mean_" + unit, summary.mean},

@@ -95,27 +95,6 @@ std::size_t PartnerOf(const std::vector<double>& lengths,
 
 }  // namespace
 
-ErrorSummary Summarise(std::span<const double> magnitudes) {
-  ErrorSummary summary;
-  summary.num = static_cast<int>(magnitudes.size());
-  if (magnitudes.empty()) return summary;
-  std::vector<double> sorted(magnitudes.begin(), magnitudes.end());
-  std::sort(sorted.begin(), sorted.end());
-  double sum = 0.0;
-  double squares = 0.0;
-  for (const double value : sorted) {
-    sum += value;
-    squares += value * value;
-  }
-  const auto n = sorted.size();
-  summary.rmse = std::sqrt(squares / static_cast<double>(n));
-  summary.mean = sum / static_cast<double>(n);
-  summary.median = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
-  summary.p95 = sorted[(95 * n + 99) / 100 - 1];  // ceil(0.95 n)-th smallest.
-  summary.max = sorted.back();
-  return summary;
-}
-
 std::string_view NameOf(Alignment alignment) {
   switch (alignment) {
     case Alignment::kNone:

@@ -2,6 +2,7 @@
 // relative error (RPE).
 #pragma once
 
+#include "estimation/base/statistics.h"
 #include "logs/evaluation/association.h"
 
 #include <optional>
@@ -10,18 +11,6 @@
 #include <vector>
 
 namespace waymark {
-
-// Of N magnitudes. The median of an even number is the mean of the middle two;
-// p95 is the smallest value that at least 95 % do not exceed. All 0 for N = 0.
-struct ErrorSummary {
-  int num = 0;
-  double rmse = 0.0;
-  double mean = 0.0;
-  double median = 0.0;
-  double p95 = 0.0;
-  double max = 0.0;
-};
-[[nodiscard]] ErrorSummary Summarise(std::span<const double> magnitudes);
 
 // What is done to the estimate before it is compared.
 enum class Alignment {
@@ -39,8 +28,8 @@ struct AbsoluteError {
   std::vector<double> position;     // |p_WS estimate - p_WS reference|, m.
   std::vector<Time> heading_times;  // Of the pairs whose reference has one.
   std::vector<double> heading;      // Estimate - reference, rad, wrapped.
-  ErrorSummary position_summary;
-  ErrorSummary heading_summary;  // Of the absolute values.
+  Summary position_summary;
+  Summary heading_summary;  // Of the absolute values.
 };
 
 // Absolute trajectory error: the translation part of evo_ape [2] with
@@ -70,8 +59,8 @@ struct RelativeErrorOptions {
 struct RelativeError {
   RelativeErrorOptions options;
   bool has_heading = false;  // False: `translation` compares lengths only.
-  ErrorSummary translation;  // m.
-  ErrorSummary rotation;     // rad; num = 0 without headings.
+  Summary translation;       // m.
+  Summary rotation;          // rad; num = 0 without headings.
 };
 
 // Relative pose error. For every sample i, j is the later sample whose length

@@ -30,21 +30,6 @@ std::vector<AssociatedPair> Drifting() {
   return pairs;
 }
 
-TEST(Summarise, HandComputed) {
-  const std::vector<double> values{4, 1, 3, 2};
-  const ErrorSummary s = Summarise(values);
-  EXPECT_EQ(s.num, 4);
-  EXPECT_DOUBLE_EQ(s.rmse, std::sqrt(30.0 / 4));
-  EXPECT_DOUBLE_EQ(s.mean, 2.5);
-  EXPECT_DOUBLE_EQ(s.median, 2.5);
-  EXPECT_DOUBLE_EQ(s.p95, 4);
-  EXPECT_DOUBLE_EQ(s.max, 4);
-  std::vector<double> hundred;
-  for (int i = 1; i <= 100; ++i) hundred.push_back(i);
-  EXPECT_DOUBLE_EQ(Summarise(hundred).p95, 95);
-  EXPECT_EQ(Summarise({}).num, 0);
-}
-
 TEST(AbsoluteError, HandComputed) {
   const auto error = EvaluateAbsoluteError(Drifting(), Alignment::kNone);
   ASSERT_TRUE(error);
