@@ -2,16 +2,13 @@
 
 #include "drivers/simulator/pattern_canvas.h"
 #include "drivers/simulator/pattern_pictures.h"
+#include "drivers/simulator/picture_painters.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace waymark {
 namespace {
-
-float Between(Random* random, float low, float high) {
-  return static_cast<float>(random->Uniform(low, high));
-}
 
 // ---- papers on a noticeboard -----------------------------------------------
 

@@ -236,7 +236,7 @@ void PaintCeilingPanels(const cv::Vec3f& color,
   const int panels = Stones(image->cols, pixel.x(), kPanel);
   const Table light(panels, panels, random);
   const cv::Size size = image->size();
-  const cv::Mat1f worms = PeriodicNoise(size, 110, 80, random);
+  const cv::Mat1f worms = PeriodicNoise(size, 170, 130, random);
   const cv::Mat1f patches = PeriodicNoise(size, 40, 40, random);
   ForEachPixel(image, pixel, [&](int x, int y, float u, float v) {
     const Cell cell = CellOf(u, v, kPanel, kPanel, 0.0f);
@@ -244,7 +244,7 @@ void PaintCeilingPanels(const cv::Vec3f& color,
     const float fissure =
         SmoothStep((worms(y, x) + 0.35f * patches(y, x) - 0.55f) / 0.2f);
     const cv::Vec3f panel =
-        color * (1.0f + 0.02f * light(cell.column, cell.row) - 0.22f * fissure);
+        color * (1.0f + 0.02f * light(cell.column, cell.row) - 0.13f * fissure);
     const float inside = Inside(cell.edge, kRail, pixel.x());
     // The rail's shadow on the panel.
     const float groove = SmoothStep((cell.edge - 0.5f * kRail) / 0.008f);

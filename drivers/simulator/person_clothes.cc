@@ -164,14 +164,13 @@ PersonLook MakePersonLook(std::uint64_t seed) {
   }
   look.trousers = Cloth(lower, {128, 256}, &random);
   Canvas trousers(look.trousers);
-  // Seams at the sides, creases at the knee, the hem.
+  // Seams at the sides, a crease at the knee, the hem.
   trousers.Box(31, 0, 2, 256, lower * 0.7f);
   trousers.Box(95, 0, 2, 256, lower * 0.7f);
-  trousers.Box(50, 118, 30, 2, lower * 0.75f);
-  trousers.Box(46, 128, 36, 2, lower * 0.75f);
+  trousers.Box(54, 124, 20, 1, lower * 0.85f);
   trousers.Box(0, 246, 128, 2, lower * 0.7f);
   look.shoe = cv::Mat3b(32, 32, ToPixel(ColorOfHue(0.07, 0.4, 0.25)));
-  Canvas(look.shoe).Box(0, 26, 32, 6, {185, 190, 195});
+  Canvas(look.shoe).Box(11, 0, 10, 32, {185, 190, 195});  // The sole.
   look.skin = cv::Mat3b(1, 1, ToPixel(skin));
   look.face = MakeFace(skin, hair * 0.8f);
   look.hair = cv::Mat3b(64, 128, ToPixel(hair));

@@ -277,8 +277,8 @@ class Person {
                14);
     const Vector3f middle(0.014f, 0.0f, 1.628f);
     face->Ball(middle, {0.092f, 0.073f, 0.112f}, 24, 16);
-    skin->Ball(middle + Vector3f(0.092f, 0.0f, -0.012f),
-               {0.016f, 0.012f, 0.024f},
+    skin->Ball(middle + Vector3f(0.087f, 0.0f, -0.014f),
+               {0.014f, 0.011f, 0.021f},
                8,
                6);
     for (const float side : {-1.0f, 1.0f}) {

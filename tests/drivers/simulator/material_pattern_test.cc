@@ -17,10 +17,14 @@ namespace {
 
 using testing::HasSubstr;
 
-PatternTexture Make(PatternKind kind, std::uint64_t seed = 1) {
+// Coarse: what is tested does not depend on the density.
+PatternTexture Make(PatternKind kind,
+                    std::uint64_t seed = 1,
+                    double pixels_per_metre = 100.0) {
   PatternOptions options;
   options.kind = kind;
   options.seed = seed;
+  options.pixels_per_metre = pixels_per_metre;
   if (kind == PatternKind::kSign) options.text = "2.14";
   return MakePattern(options);
 }
@@ -189,12 +193,14 @@ TEST(MaterialPattern, ContactSheet) {
   constexpr int kSide = 320;
   constexpr int kColumns = 6;
   std::vector<PatternTexture> textures;
-  for (const PatternKind kind : AllKinds()) textures.push_back(Make(kind));
+  for (const PatternKind kind : AllKinds()) {
+    textures.push_back(Make(kind, 1, 0.0));
+  }
   for (std::uint64_t seed = 2; seed < 18; ++seed) {
-    textures.push_back(Make(PatternKind::kPicture, seed));
+    textures.push_back(Make(PatternKind::kPicture, seed, 0.0));
   }
   for (std::uint64_t seed = 2; seed < 8; ++seed) {
-    textures.push_back(Make(PatternKind::kNoticeboard, seed));
+    textures.push_back(Make(PatternKind::kNoticeboard, seed, 0.0));
   }
   const int rows =
       (static_cast<int>(textures.size()) + kColumns - 1) / kColumns;
