@@ -1,119 +1,22 @@
 #include "estimation/camera/calibrate_camera.h"
 
-#include "estimation/camera/board_pose.h"
 #include "estimation/camera/calibration_problem.h"
+#include "estimation/camera/calibration_start.h"
 
 #include <Eigen/Eigenvalues>
 #include <ceres/crs_matrix.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
 namespace waymark {
 namespace {
 
-// Poses by the linear method for a camera without distortion of this focal
-// length, and how far its pixels are off.
-std::optional<CalibrationState> Start(const CalibrationProblem& problem,
-                                      double focal) {
-  const CalibrationOptions& options = problem.options;
-  CalibrationState state;
-  state.values.setZero(
-      static_cast<Eigen::Index>(ParameterNames(options.kind).size()));
-  state.values.head<4>() << focal, options.is_mirrored ? -focal : focal,
-      0.5 * (options.size.width - 1), 0.5 * (options.size.height - 1);
-  if (options.kind == CameraKind::kSphere) {
-    state.values(4) = options.xi.value_or(1.0);
-  }
-  const auto camera = problem.CameraOf(state.values);
-  state.cost = 0.0;
-  for (const BoardView& view : problem.views) {
-    std::vector<Eigen::Vector3d> rays;
-    for (const Eigen::Vector2d& pixel : view.pixels) {
-      const auto back = RayFromPixel(*camera, pixel);
-      if (!back) return std::nullopt;
-      rays.push_back(back->ray);
-    }
-    const auto X_CB = BoardPoseFromRays(rays, view.points_B);
-    if (!X_CB) return std::nullopt;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const auto seen =
-          PixelFromRay(*camera, *X_CB * OnBoard(view.points_B[i]));
-      if (!seen) return std::nullopt;
-      state.cost += (seen->pixel - view.pixels[i]).squaredNorm();
-    }
-    state.poses.push_back(BlockFromPose(*X_CB));
-  }
-  return state;
-}
-
-// The likeliest starts first.
-std::vector<CalibrationState> Starts(const CalibrationProblem& problem) {
-  // From a fisheye whose circle is a third of the image to a lens of 10
-  // degrees, a factor of 1.25 apart: the linear poses bear that much.
-  constexpr double kShortest = 0.1;
-  constexpr double kLongest = 6.0;
-  constexpr double kStep = 1.25;
-  const int size =
-      std::max(problem.options.size.width, problem.options.size.height);
-  std::vector<CalibrationState> starts;
-  for (double share = kShortest; share < kLongest; share *= kStep) {
-    if (auto start = Start(problem, share * size)) {
-      starts.push_back(std::move(*start));
-    }
-  }
-  std::stable_sort(starts.begin(),
-                   starts.end(),
-                   [](const CalibrationState& a, const CalibrationState& b) {
-                     return a.cost < b.cost;
-                   });
-  constexpr std::size_t kTried = 4;
-  if (starts.size() > kTried) starts.resize(kTried);
-  return starts;
-}
-
-// Focal length and poses first, from each start, then all from the best.
-std::optional<CalibrationState> SolveFromStarts(
-    const CalibrationProblem& problem) {
-  std::vector<CalibrationState> starts = Starts(problem);
-  std::erase_if(starts, [&](CalibrationState& start) {
-    return !Solve(problem, CalibrationStage::kFocalLengths, &start);
-  });
-  std::stable_sort(starts.begin(),
-                   starts.end(),
-                   [](const CalibrationState& a, const CalibrationState& b) {
-                     return a.cost < b.cost;
-                   });
-  for (CalibrationState& start : starts) {
-    if (Solve(problem, CalibrationStage::kAll, &start)) return std::move(start);
-  }
-  return std::nullopt;
-}
-
-// Distances of all corners, used or not; infinite where not seen at all.
-std::vector<std::vector<double>> Distances(const CalibrationProblem& problem,
-                                           const CalibrationState& state) {
-  const auto camera = problem.CameraOf(state.values);
-  std::vector<std::vector<double>> distances;
-  for (std::size_t v = 0; v < problem.views.size(); ++v) {
-    const BoardView& view = problem.views[v];
-    const Eigen::Isometry3d X_CB = PoseFromBlock(state.poses[v]);
-    std::vector<double>& list = distances.emplace_back();
-    for (std::size_t i = 0; i < view.pixels.size(); ++i) {
-      const auto seen = PixelFromRay(*camera, X_CB * OnBoard(view.points_B[i]));
-      list.push_back(seen ? (seen->pixel - view.pixels[i]).norm()
-                          : std::numeric_limits<double>::infinity());
-    }
-  }
-  return distances;
-}
-
 // Leaves out corners that are off. True where any is.
 bool LeaveOut(const CalibrationState& state, CalibrationProblem* problem) {
-  const auto distances = Distances(*problem, state);
+  const auto distances = CornerDistances(*problem, state);
   std::vector<double> all;
   for (const auto& list : distances) {
     all.insert(all.end(), list.begin(), list.end());
@@ -129,7 +32,8 @@ bool LeaveOut(const CalibrationState& state, CalibrationProblem* problem) {
   bool is_changed = false;
   for (std::size_t v = 0; v < distances.size(); ++v) {
     for (std::size_t i = 0; i < distances[v].size(); ++i) {
-      const char is_used = distances[v][i] <= gate ? 1 : 0;
+      const bool is_seen = std::isfinite(distances[v][i]);
+      const char is_used = is_seen && distances[v][i] <= gate ? 1 : 0;
       is_changed |= is_used != problem->is_used[v][i];
       problem->is_used[v][i] = is_used;
     }
@@ -140,7 +44,7 @@ bool LeaveOut(const CalibrationState& state, CalibrationProblem* problem) {
 void AddViews(const CalibrationProblem& problem,
               const CalibrationState& state,
               CameraCalibration* result) {
-  const auto distances = Distances(problem, state);
+  const auto distances = CornerDistances(problem, state);
   double sum = 0.0;
   int num = 0;
   for (std::size_t v = 0; v < distances.size(); ++v) {
@@ -296,13 +200,16 @@ CalibrationReport CalibrateCamera(std::span<const BoardView> views,
         return {std::nullopt, "a view's corners contradict the others'"};
       }
     }
-    if (!Solve(problem, CalibrationStage::kAll, &*state)) {
+    if (!Solve(problem, CalibrationStage::kAll, kFineGain, &*state)) {
       return {std::nullopt, "the refinement did not converge"};
     }
   }
   CameraCalibration result;
   result.camera = *problem.CameraOf(state->values);
   AddViews(problem, *state, &result);
+  if (!std::isfinite(result.rms_px)) {
+    return {std::nullopt, "no lens of this model reaches all corners"};
+  }
   constexpr double kUseful = 0.2;  // Of the focal length.
   if (!AddSigmas(problem, &*state, &result) ||
       result.sigma(0) > kUseful * state->values(0)) {

@@ -2,7 +2,6 @@
 
 #include <ceres/ceres.h>
 
-#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -57,50 +56,33 @@ class ViewCost final : public ceres::CostFunction {
         RightJacobian(Eigen::Map<const Eigen::Vector3d>(blocks[1]));
     for (std::size_t k = 0; k < corners_.size(); ++k) {
       const Eigen::Vector3d point_B = OnBoard(view_.points_B[corners_[k]]);
-      const auto seen = PixelFromRay(*camera, X_CB * point_B);
+      const Eigen::Vector3d point_C = X_CB * point_B;
+      const auto seen = ExtendedPixelFromRay(*camera, point_C);
       if (!seen) return false;
       Eigen::Map<Eigen::Vector2d>(residuals + 2 * k) =
           seen->pixel - view_.pixels[corners_[k]];
-      if (jacobians == nullptr || jacobians[1] == nullptr) continue;
-      Eigen::Matrix<double, 3, 6> d_pose;
-      d_pose << -X_CB.linear() * Cross(point_B) * J,
-          Eigen::Matrix3d::Identity();
-      Eigen::Map<Eigen::Matrix<double, 2, 6, Eigen::RowMajor>>(
-          jacobians[1] + 12 * k) = seen->d_point * d_pose;
-    }
-    return jacobians == nullptr || jacobians[0] == nullptr ||
-           DifferentiateByCamera(values, X_CB, jacobians[0]);
-  }
-
- private:
-  // Central differences: one way for every model, and exact to nine digits.
-  bool DifferentiateByCamera(const Eigen::VectorXd& values,
-                             const Eigen::Isometry3d& X_CB,
-                             double* jacobian) const {
-    const auto rows = static_cast<Eigen::Index>(2 * corners_.size());
-    Eigen::Map<
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>
-        d_camera(jacobian, rows, num_parameters_);
-    for (Eigen::Index p = 0; p < num_parameters_; ++p) {
-      const double step = 1e-6 * (p < 4 ? values(0) : 1.0);
-      std::array<std::optional<CameraModel>, 2> cameras;
-      for (const int side : {0, 1}) {
-        Eigen::VectorXd changed = values;
-        changed(p) += side == 0 ? step : -step;
-        cameras[static_cast<std::size_t>(side)] = problem_.CameraOf(changed);
+      if (jacobians == nullptr) continue;
+      const auto row = static_cast<Eigen::Index>(2 * k);
+      if (jacobians[0] != nullptr) {
+        const auto by_camera = PixelByParameters(*camera, point_C);
+        if (!by_camera) return false;
+        Rows(jacobians[0], num_parameters_).middleRows<2>(row) = *by_camera;
       }
-      if (!cameras[0] || !cameras[1]) return false;
-      for (std::size_t k = 0; k < corners_.size(); ++k) {
-        const Eigen::Vector3d point =
-            X_CB * OnBoard(view_.points_B[corners_[k]]);
-        const auto plus = PixelFromRay(*cameras[0], point);
-        const auto minus = PixelFromRay(*cameras[1], point);
-        if (!plus || !minus) return false;
-        d_camera.block<2, 1>(static_cast<Eigen::Index>(2 * k), p) =
-            (plus->pixel - minus->pixel) / (2.0 * step);
+      if (jacobians[1] != nullptr) {
+        Eigen::Matrix<double, 3, 6> by_pose;
+        by_pose << -X_CB.linear() * Cross(point_B) * J,
+            Eigen::Matrix3d::Identity();
+        Rows(jacobians[1], 6).middleRows<2>(row) = seen->d_point * by_pose;
       }
     }
     return true;
+  }
+
+ private:
+  using RowMajor =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<RowMajor> Rows(double* jacobian, Eigen::Index columns) const {
+    return {jacobian, num_residuals(), columns};
   }
 
   const CalibrationProblem& problem_;
@@ -151,10 +133,10 @@ std::vector<int> ConstantParameters(const CalibrationOptions& options,
   const bool is_sphere = options.kind == CameraKind::kSphere;
   const int lens = is_sphere ? 5 : 4;
   const int size = static_cast<int>(ParameterNames(options.kind).size());
-  for (int i = 2; i < size; ++i) {
+  for (int i = stage == CalibrationStage::kPoses ? 0 : 2; i < size; ++i) {
     const bool is_xi = is_sphere && i == 4;
     const bool is_kept =
-        stage == CalibrationStage::kFocalLengths ||
+        stage != CalibrationStage::kAll ||
         (is_xi ? options.xi.has_value() : i >= lens + options.num_distortion);
     if (is_kept) constant.push_back(i);
   }
@@ -172,7 +154,9 @@ std::unique_ptr<ceres::Problem> BuildProblem(const CalibrationProblem& problem,
                              state->poses[i].data());
   }
   const std::vector<int> constant = ConstantParameters(problem.options, stage);
-  if (!constant.empty()) {
+  if (constant.size() == static_cast<std::size_t>(state->values.size())) {
+    result->SetParameterBlockConstant(state->values.data());
+  } else if (!constant.empty()) {
     result->SetManifold(state->values.data(),
                         new ceres::SubsetManifold(
                             static_cast<int>(state->values.size()), constant));
@@ -180,17 +164,35 @@ std::unique_ptr<ceres::Problem> BuildProblem(const CalibrationProblem& problem,
   return result;
 }
 
+std::vector<std::vector<double>> CornerDistances(
+    const CalibrationProblem& problem, const CalibrationState& state) {
+  const auto camera = problem.CameraOf(state.values);
+  std::vector<std::vector<double>> distances;
+  for (std::size_t v = 0; v < problem.views.size(); ++v) {
+    const BoardView& view = problem.views[v];
+    const Eigen::Isometry3d X_CB = PoseFromBlock(state.poses[v]);
+    std::vector<double>& list = distances.emplace_back();
+    for (std::size_t i = 0; i < view.pixels.size(); ++i) {
+      const auto seen = PixelFromRay(*camera, X_CB * OnBoard(view.points_B[i]));
+      list.push_back(seen ? (seen->pixel - view.pixels[i]).norm()
+                          : std::numeric_limits<double>::infinity());
+    }
+  }
+  return distances;
+}
+
 bool Solve(const CalibrationProblem& problem,
            CalibrationStage stage,
+           double least_gain,
            CalibrationState* state) {
   const auto built = BuildProblem(problem, stage, state);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
   options.num_threads = 1;
   options.max_num_iterations = 200;
-  options.function_tolerance = 1e-14;
-  options.parameter_tolerance = 1e-14;
-  options.gradient_tolerance = 1e-14;
+  options.function_tolerance = least_gain;
+  options.parameter_tolerance = kFineGain;
+  options.gradient_tolerance = kFineGain;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, built.get(), &summary);

@@ -39,7 +39,8 @@ struct CalibrationState {
     const CalibrationState::Pose& block);
 [[nodiscard]] Eigen::Vector3d OnBoard(const Eigen::Vector2d& point_B);
 
-enum class CalibrationStage { kFocalLengths, kAll };  // Always with the poses.
+// Always with the poses.
+enum class CalibrationStage { kPoses, kFocalLengths, kAll };
 
 // Indices of the camera's numbers that stay as they are.
 [[nodiscard]] std::vector<int> ConstantParameters(
@@ -51,9 +52,20 @@ enum class CalibrationStage { kFocalLengths, kAll };  // Always with the poses.
     CalibrationStage stage,
     CalibrationState* state);
 
+// Distances of all corners from where the state has them, used or not, px;
+// infinite where the camera does not see them.
+[[nodiscard]] std::vector<std::vector<double>> CornerDistances(
+    const CalibrationProblem& problem, const CalibrationState& state);
+
+// Of the cost, below which a step's gain ends the minimisation: to rounding,
+// and enough to tell which start leads where.
+constexpr double kFineGain = 1e-14;
+constexpr double kCoarseGain = 1e-4;
+
 // False where the minimiser found no usable state.
 [[nodiscard]] bool Solve(const CalibrationProblem& problem,
                          CalibrationStage stage,
+                         double least_gain,
                          CalibrationState* state);
 
 }  // namespace waymark

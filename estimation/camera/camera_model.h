@@ -20,6 +20,12 @@ using CameraModel = std::
 [[nodiscard]] std::optional<BackProjection> RayFromPixel(
     const CameraModel& camera, const Eigen::Vector2d& pixel);
 
+// The model's formula also where its lens has no inverse: between a start and
+// the answer a minimiser's steps may lead through lenses that do not reach all
+// points, and a wall there would stop it. No answer for a user.
+[[nodiscard]] std::optional<Projection> ExtendedPixelFromRay(
+    const CameraModel& camera, const Eigen::Vector3d& point_C);
+
 // True for pixels of the image, edges of its outermost pixels included.
 [[nodiscard]] bool IsInside(const ImageSize& size,
                             const Eigen::Vector2d& pixel);

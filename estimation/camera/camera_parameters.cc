@@ -1,6 +1,7 @@
 #include "estimation/camera/camera_parameters.h"
 
 #include <array>
+#include <cmath>
 #include <stdexcept>
 #include <type_traits>
 
@@ -36,6 +37,42 @@ void Append(std::initializer_list<double> more, Eigen::VectorXd* values) {
   Eigen::Index at = values->size();
   values->conservativeResize(at + static_cast<Eigen::Index>(more.size()));
   for (const double value : more) (*values)(at++) = value;
+}
+
+// Derivative of the point of the plane, to be multiplied by the focal lengths,
+// by the numbers behind the four intrinsics.
+ParameterJacobian PlaneByLens(const PerspectiveCamera&,
+                              const Eigen::Vector3d& point) {
+  return DistortedByCoefficients(point.head<2>() / point.z());
+}
+
+ParameterJacobian PlaneByLens(const FisheyeCamera&,
+                              const Eigen::Vector3d& point) {
+  const double r = point.head<2>().norm();
+  ParameterJacobian d = ParameterJacobian::Zero(2, 4);
+  if (!(r > 0.0)) return d;
+  const double angle = std::atan2(r, point.z());
+  double power = angle;
+  for (Eigen::Index i = 0; i < d.cols(); ++i) {
+    power *= angle * angle;
+    d.col(i) = power / r * point.head<2>();
+  }
+  return d;
+}
+
+ParameterJacobian PlaneByLens(const SphereCamera& camera,
+                              const Eigen::Vector3d& point) {
+  const Eigen::Vector3d n = point.normalized();
+  const double depth = n.z() + camera.xi();
+  const Eigen::Vector2d plane = n.head<2>() / depth;
+  ParameterJacobian d(2, 6);
+  d << Distort(camera.distortion(), plane).d_point * (-plane / depth),
+      DistortedByCoefficients(plane);
+  return d;
+}
+
+ParameterJacobian PlaneByLens(const PanoramaCamera&, const Eigen::Vector3d&) {
+  return ParameterJacobian(2, 0);
 }
 
 }  // namespace
@@ -111,6 +148,23 @@ CameraModel CameraFromParameters(CameraKind kind, const Eigen::VectorXd& v) {
       break;
   }
   return PanoramaCamera(k);
+}
+
+std::optional<ParameterJacobian> PixelByParameters(
+    const CameraModel& camera, const Eigen::Vector3d& point) {
+  const auto seen = ExtendedPixelFromRay(camera, point);
+  if (!seen) return std::nullopt;
+  return std::visit(
+      [&](const auto& model) {
+        const Intrinsics& k = model.intrinsics();
+        const ParameterJacobian lens = PlaneByLens(model, point);
+        ParameterJacobian d(2, 4 + lens.cols());
+        d << (seen->pixel.x() - k.cx) / k.fx, 0.0, 1.0, 0.0,
+            k.fx * lens.row(0),  //
+            0.0, (seen->pixel.y() - k.cy) / k.fy, 0.0, 1.0, k.fy * lens.row(1);
+        return d;
+      },
+      camera);
 }
 
 }  // namespace waymark

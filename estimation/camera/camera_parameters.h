@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,5 +29,13 @@ enum class CameraKind { kPerspective, kFisheye, kSphere, kPanorama };
 // of values is not that of the names.
 [[nodiscard]] CameraModel CameraFromParameters(CameraKind kind,
                                                const Eigen::VectorXd& values);
+
+// Derivative of a pixel by each of ParameterNames(kind).
+using ParameterJacobian =
+    Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 10>;
+// Of the pixel that sees this point in C; nullopt where ExtendedPixelFromRay
+// has none.
+[[nodiscard]] std::optional<ParameterJacobian> PixelByParameters(
+    const CameraModel& camera, const Eigen::Vector3d& point_C);
 
 }  // namespace waymark

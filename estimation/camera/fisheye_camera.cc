@@ -47,12 +47,22 @@ FisheyeCamera::FisheyeCamera(const Intrinsics& intrinsics,
 
 std::optional<Projection> FisheyeCamera::PixelFromRay(
     const Eigen::Vector3d& point) const {
+  return Project(point, max_angle_);
+}
+
+std::optional<Projection> FisheyeCamera::ExtendedPixelFromRay(
+    const Eigen::Vector3d& point) const {
+  return Project(point, kMaxAngle);
+}
+
+std::optional<Projection> FisheyeCamera::Project(const Eigen::Vector3d& point,
+                                                 double max_angle) const {
   const double norm = point.norm();
   if (!(norm > 0.0) || !std::isfinite(norm)) return std::nullopt;
   const Eigen::Vector3d n = point / norm;
   const double r = n.head<2>().norm();
   const double angle = std::atan2(r, n.z());
-  if (angle > max_angle_) return std::nullopt;
+  if (angle > max_angle) return std::nullopt;
   const Distance d = DistanceAt(angle, coefficients_);
   // On the axis d / r goes to 1 (r is the sine of the angle), and its change is
   // of second order: below this angle both are exact to rounding.

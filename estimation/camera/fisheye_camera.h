@@ -32,6 +32,10 @@ class FisheyeCamera {
   // Of a point in C, any unit, not the origin.
   [[nodiscard]] std::optional<Projection> PixelFromRay(
       const Eigen::Vector3d& point_C) const;
+  // The same formula beyond max_angle() too, up to pi, as a minimiser's steps
+  // need it.
+  [[nodiscard]] std::optional<Projection> ExtendedPixelFromRay(
+      const Eigen::Vector3d& point_C) const;
   [[nodiscard]] std::optional<BackProjection> RayFromPixel(
       const Eigen::Vector2d& pixel) const;
 
@@ -42,6 +46,9 @@ class FisheyeCamera {
   [[nodiscard]] double max_angle() const { return max_angle_; }  // rad.
 
  private:
+  [[nodiscard]] std::optional<Projection> Project(
+      const Eigen::Vector3d& point_C, double max_angle) const;
+
   Intrinsics intrinsics_;
   Coefficients coefficients_;
   double max_angle_;

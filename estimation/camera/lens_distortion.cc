@@ -37,6 +37,17 @@ DistortedPoint Distort(const LensDistortion& d, const Eigen::Vector2d& point) {
   return result;
 }
 
+Eigen::Matrix<double, 2, 5> DistortedByCoefficients(
+    const Eigen::Vector2d& point) {
+  const double x = point.x();
+  const double y = point.y();
+  const double s = x * x + y * y;
+  Eigen::Matrix<double, 2, 5> d;
+  d << x * s, x * s * s, 2.0 * x * y, s + 2.0 * x * x, x * s * s * s,  //
+      y * s, y * s * s, s + 2.0 * y * y, 2.0 * x * y, y * s * s * s;
+  return d;
+}
+
 std::optional<Eigen::Vector2d> Undistort(const LensDistortion& distortion,
                                          const Eigen::Vector2d& distorted,
                                          double max_radius) {

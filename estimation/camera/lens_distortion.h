@@ -33,6 +33,11 @@ struct DistortedPoint {
 [[nodiscard]] DistortedPoint Distort(const LensDistortion& distortion,
                                      const Eigen::Vector2d& point);
 
+// Derivative of the distorted point by k1, k2, p1, p2, k3; the same for all
+// distortions.
+[[nodiscard]] Eigen::Matrix<double, 2, 5> DistortedByCoefficients(
+    const Eigen::Vector2d& point);
+
 // The point within `max_radius` that is distorted to this one, to 1e-14 of its
 // radius; nullopt where there is none. Newton's method, some four steps.
 [[nodiscard]] std::optional<Eigen::Vector2d> Undistort(

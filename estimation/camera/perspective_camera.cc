@@ -3,6 +3,7 @@
 #include "estimation/camera/intrinsics_check.h"
 
 #include <cmath>
+#include <limits>
 
 namespace waymark {
 
@@ -17,10 +18,20 @@ PerspectiveCamera::PerspectiveCamera(const Intrinsics& intrinsics,
 
 std::optional<Projection> PerspectiveCamera::PixelFromRay(
     const Eigen::Vector3d& point) const {
+  return Project(point, max_radius_);
+}
+
+std::optional<Projection> PerspectiveCamera::ExtendedPixelFromRay(
+    const Eigen::Vector3d& point) const {
+  return Project(point, std::numeric_limits<double>::infinity());
+}
+
+std::optional<Projection> PerspectiveCamera::Project(
+    const Eigen::Vector3d& point, double max_radius) const {
   if (!(point.z() > 0.0) || !std::isfinite(point.z())) return std::nullopt;
   const double inverse = 1.0 / point.z();
   const Eigen::Vector2d plane = inverse * point.head<2>();
-  if (!plane.allFinite() || plane.norm() > max_radius_) return std::nullopt;
+  if (!plane.allFinite() || plane.norm() > max_radius) return std::nullopt;
   const DistortedPoint bent = Distort(distortion_, plane);
   const Eigen::Vector2d focal(intrinsics_.fx, intrinsics_.fy);
   Eigen::Matrix<double, 2, 3> d_plane;

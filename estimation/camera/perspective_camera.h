@@ -24,6 +24,9 @@ class PerspectiveCamera {
   // Of a point in C, any unit; z > 0.
   [[nodiscard]] std::optional<Projection> PixelFromRay(
       const Eigen::Vector3d& point_C) const;
+  // The same formula beyond max_radius() too, as a minimiser's steps need it.
+  [[nodiscard]] std::optional<Projection> ExtendedPixelFromRay(
+      const Eigen::Vector3d& point_C) const;
   [[nodiscard]] std::optional<BackProjection> RayFromPixel(
       const Eigen::Vector2d& pixel) const;
 
@@ -32,6 +35,9 @@ class PerspectiveCamera {
   [[nodiscard]] double max_radius() const { return max_radius_; }
 
  private:
+  [[nodiscard]] std::optional<Projection> Project(
+      const Eigen::Vector3d& point_C, double max_radius) const;
+
   Intrinsics intrinsics_;
   LensDistortion distortion_;
   double max_radius_;

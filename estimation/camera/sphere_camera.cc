@@ -3,6 +3,7 @@
 #include "estimation/camera/intrinsics_check.h"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace waymark {
@@ -23,13 +24,23 @@ SphereCamera::SphereCamera(double xi,
 
 std::optional<Projection> SphereCamera::PixelFromRay(
     const Eigen::Vector3d& point) const {
+  return Project(point, max_radius_);
+}
+
+std::optional<Projection> SphereCamera::ExtendedPixelFromRay(
+    const Eigen::Vector3d& point) const {
+  return Project(point, std::numeric_limits<double>::infinity());
+}
+
+std::optional<Projection> SphereCamera::Project(const Eigen::Vector3d& point,
+                                                double max_radius) const {
   const double norm = point.norm();
   if (!(norm > 0.0) || !std::isfinite(norm)) return std::nullopt;
   const Eigen::Vector3d n = point / norm;
   if (!(n.z() > min_z_)) return std::nullopt;
   const double inverse = 1.0 / (n.z() + xi_);
   const Eigen::Vector2d plane = inverse * n.head<2>();
-  if (!plane.allFinite() || plane.norm() > max_radius_) return std::nullopt;
+  if (!plane.allFinite() || plane.norm() > max_radius) return std::nullopt;
   const DistortedPoint bent = Distort(distortion_, plane);
   Eigen::Matrix<double, 2, 3> d_n;
   d_n << inverse, 0.0, -inverse * plane.x(), 0.0, inverse, -inverse * plane.y();

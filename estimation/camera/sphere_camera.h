@@ -32,6 +32,10 @@ class SphereCamera {
   // Of a point in C, any unit, not the origin.
   [[nodiscard]] std::optional<Projection> PixelFromRay(
       const Eigen::Vector3d& point_C) const;
+  // The same formula also where the distortion has no inverse, as a minimiser's
+  // steps need it.
+  [[nodiscard]] std::optional<Projection> ExtendedPixelFromRay(
+      const Eigen::Vector3d& point_C) const;
   [[nodiscard]] std::optional<BackProjection> RayFromPixel(
       const Eigen::Vector2d& pixel) const;
 
@@ -42,6 +46,9 @@ class SphereCamera {
   [[nodiscard]] double min_z() const { return min_z_; }
 
  private:
+  [[nodiscard]] std::optional<Projection> Project(
+      const Eigen::Vector3d& point_C, double max_radius) const;
+
   double xi_;
   Intrinsics intrinsics_;
   LensDistortion distortion_;

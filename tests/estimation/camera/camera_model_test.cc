@@ -2,6 +2,7 @@
 #include "estimation/camera/camera_model.h"
 
 #include "estimation/base/random.h"
+#include "estimation/camera/camera_parameters.h"
 #include "estimation/camera/hyperbolic_mirror.h"
 #include "estimation/geometry/angle.h"
 
@@ -104,6 +105,38 @@ TEST_P(CameraModelTest, JacobiansAreTheNumericOnes) {
     EXPECT_LT((product - Eigen::Matrix2d::Identity()).norm(), 1e-8);
     EXPECT_LT((back->ray.transpose() * back->d_pixel).norm(), 1e-10);
   }
+}
+
+TEST_P(CameraModelTest, JacobiansByParametersAreTheNumericOnes) {
+  const CameraKind kind = KindOf(GetParam().camera);
+  const Eigen::VectorXd values = ParametersOf(GetParam().camera);
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 200; ++i) {
+    // The first is on the axis, where a fisheye's formulas have no direction.
+    const Eigen::Vector3d point =
+        i == 0 ? Eigen::Vector3d(0.0, 0.0, 2.0)
+               : (random_.Uniform(0.5, 3.0) * Ray()).eval();
+    const auto analytic = PixelByParameters(GetParam().camera, point);
+    ASSERT_TRUE(analytic);
+    ASSERT_EQ(analytic->cols(), values.size());
+    for (Eigen::Index p = 0; p < values.size(); ++p) {
+      const Eigen::VectorXd step =
+          kStep * Eigen::VectorXd::Unit(values.size(), p);
+      const auto plus =
+          PixelFromRay(CameraFromParameters(kind, values + step), point);
+      const auto minus =
+          PixelFromRay(CameraFromParameters(kind, values - step), point);
+      if (!plus || !minus) continue;  // Over the edge.
+      const Eigen::Vector2d numeric =
+          (plus->pixel - minus->pixel) / (2.0 * kStep);
+      // Pixels of some thousand have 1e-12 of rounding, over the step.
+      EXPECT_LT((numeric - analytic->col(p)).norm(),
+                1e-6 * (1.0 + analytic->col(p).norm()))
+          << ParameterNames(kind)[static_cast<std::size_t>(p)] << " at "
+          << point.transpose();
+    }
+  }
+  EXPECT_FALSE(PixelByParameters(GetParam().camera, Eigen::Vector3d::Zero()));
 }
 
 TEST_P(CameraModelTest, NothingComesOfNonsense) {
