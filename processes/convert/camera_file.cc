@@ -142,9 +142,14 @@ std::string YamlOfCamera(const CameraDescription& camera) {
   contents.z = camera.X_RC.translation().z();
   const Eigen::Matrix3d R =
       camera.X_RC.linear() * ForwardCameraRotation().transpose();
-  contents.yaw = std::atan2(R(1, 0), R(0, 0));
-  contents.pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  contents.roll = std::atan2(R(2, 1), R(2, 2));
+  // Of a camera that looks straight up or down (within rounding) yaw and roll
+  // are one turn, which is given as roll.
+  constexpr double kVertical = 1e-9;
+  const double horizontal = std::hypot(R(0, 0), R(1, 0));
+  contents.yaw = horizontal < kVertical ? 0.0 : std::atan2(R(1, 0), R(0, 0));
+  contents.pitch = std::atan2(-R(2, 0), horizontal);
+  const Eigen::Matrix3d level = TurnOf(-contents.yaw, 0.0, 0.0) * R;
+  contents.roll = std::atan2(-level(1, 2), level(1, 1));
   if (camera.p_RH) {
     contents.head.assign(camera.p_RH->begin(), camera.p_RH->end());
   }

@@ -81,6 +81,29 @@ TEST(CameraFile, MountingIsAsItSays) {
   EXPECT_EQ(camera.X_RC.translation(), Eigen::Vector3d(0.0, 0.0, 1.0));
 }
 
+// A mirror camera looks straight up or down: yaw and roll are one turn there.
+TEST(CameraFile, CamerasThatLookUpOrDownLoadBack) {
+  for (const double pitch : {-90.0, 90.0, 90.0 - 1e-8, 89.0}) {
+    for (const double yaw : {-170.0, -90.0, 0.0, 30.0, 135.0}) {
+      CameraDescription camera;
+      camera.size = {4, 4};
+      camera.X_RC.linear() =
+          (Eigen::AngleAxisd(yaw * kPi / 180.0, Eigen::Vector3d::UnitZ()) *
+           Eigen::AngleAxisd(pitch * kPi / 180.0, Eigen::Vector3d::UnitY()))
+              .toRotationMatrix() *
+          ForwardCameraRotation();
+      // Twice, since what was loaded differs by rounding.
+      CameraDescription again = camera;
+      for (int i = 0; i < 2; ++i) {
+        again = CameraFromYaml(YamlOfCamera(again), "again");
+      }
+      // The distance below which a camera counts as vertical, twice.
+      EXPECT_LT((again.X_RC.matrix() - camera.X_RC.matrix()).norm(), 4e-9)
+          << pitch << " " << yaw;
+    }
+  }
+}
+
 TEST(CameraFile, BadOnesAreOneLine) {
   const std::string good =
       "model: sphere\nwidth: 640\nheight: 480\nfx: 300\nfy: -300\ncx: 320\n"
