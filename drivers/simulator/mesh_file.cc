@@ -29,6 +29,10 @@
 namespace waymark {
 namespace {
 
+// Of a texture, from its first pixel: beyond it floats have no fraction left
+// to find the pixel by.
+constexpr float kMaxRepetitions = 10'000.0f;
+
 // ---- files in memory for the library ---------------------------------------
 
 class MemoryStream : public Assimp::IOStream {
@@ -182,12 +186,18 @@ class MeshFile {
                                       ? Eigen::Vector3d(p.x, -p.z, p.y)
                                       : Eigen::Vector3d(p.x, p.y, p.z);
       const Eigen::Vector3d p_W = options_.X_WM * (options_.scale * p_M);
+      if (!p_W.allFinite())
+        throw InputError(path_ + ": a vertex is not finite");
       mesh_.positions.push_back(p_W.cast<float>());
       report_.box_W.extend(p_W);
       // The library's v goes up.
       const aiVector3D uv =
           has_uvs ? mesh.mTextureCoords[0][i] : aiVector3D(0.0f, 1.0f, 0.0f);
       mesh_.uvs.emplace_back(uv.x, 1.0f - uv.y);
+      if (!(mesh_.uvs.back().array().abs() <= kMaxRepetitions).all()) {
+        throw InputError(path_ + ": a texture coordinate is not in [-10000, " +
+                         "10000]");
+      }
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
@@ -279,8 +289,7 @@ class MeshFile {
 
   void CheckExtent() const {
     const Eigen::AlignedBox3d& box = report_.box_W;
-    if (!box.min().allFinite() || !box.max().allFinite() ||
-        !(box.sizes().maxCoeff() <= kMaxMeshExtent)) {
+    if (!(box.sizes().maxCoeff() <= kMaxMeshExtent)) {
       throw InputError(path_ + ": " + std::to_string(box.sizes().maxCoeff()) +
                        " m across with this scale, more than " +
                        std::to_string(kMaxMeshExtent) + " m");

@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -309,6 +310,18 @@ TEST_F(MeshFileTest, GltfErrorsNameFileAndEntry) {
   refuses("\"asset\"", "asset", "not JSON at byte");
   Write("model.bin", GltfBytes({0, 1, 3}));
   refuses("\"scene\": 0", "\"scene\": 0", "index 3, but there are 3 vertices");
+}
+
+TEST_F(MeshFileTest, RefusesNumbersThatAreNone) {
+  const auto refuses = [&](std::size_t at, const std::string& what) {
+    std::string bytes = GltfBytes();
+    bytes.replace(at, 4, BytesOf<float>({std::nanf("")}));
+    Write("model.bin", bytes);
+    WriteTexture("a wall.png");
+    EXPECT_THAT(ErrorOf(Write("bad.gltf", kGltf)), HasSubstr(what));
+  };
+  refuses(4, "a vertex is not finite");
+  refuses(40, "a texture coordinate is not in");
 }
 
 TEST_F(MeshFileTest, RefusesAModelTooLarge) {
