@@ -23,12 +23,13 @@ Polygon VisiblePart(const SceneLamp& lamp,
                     const Vector3d& n_W) {
   const double half_x = 0.5 * lamp.size.x();
   const double half_y = 0.5 * lamp.size.y();
-  // Counterclockwise seen from below.
+  // Counterclockwise seen from above: then the cross products of neighbours
+  // point up, and the sum is positive.
   const std::array<Vector3d, 4> corners = {
       lamp.p_W + Vector3d(-half_x, -half_y, 0.0) - p_W,
-      lamp.p_W + Vector3d(-half_x, half_y, 0.0) - p_W,
+      lamp.p_W + Vector3d(half_x, -half_y, 0.0) - p_W,
       lamp.p_W + Vector3d(half_x, half_y, 0.0) - p_W,
-      lamp.p_W + Vector3d(half_x, -half_y, 0.0) - p_W};
+      lamp.p_W + Vector3d(-half_x, half_y, 0.0) - p_W};
   Polygon part;
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector3d& a = corners[i];

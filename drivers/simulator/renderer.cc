@@ -288,6 +288,11 @@ class Frame {
   std::vector<PixelHit> hits_;
 };
 
+const RendererOptions& Checked(const RendererOptions& options) {
+  options.Check();
+  return options;
+}
+
 void StoreImageRow(const cv::Mat3f& linear,
                    const SrgbTable& srgb,
                    int y,
@@ -327,12 +332,14 @@ void RendererOptions::Check() const {
   if (num_threads < 1) {
     throw std::invalid_argument("renderer: num_threads must be at least 1");
   }
+  shader.light.Check();
+  shader.light_map.Check();
 }
 
 Renderer::Renderer(const Scene& scene, const RendererOptions& options)
-    : options_(options), caster_(scene), shader_(scene) {
-  options.Check();
-}
+    : options_(Checked(options)),
+      caster_(scene),
+      shader_(scene, options.shader, options.num_threads) {}
 
 RenderedView Renderer::Render(const CameraRays& camera,
                               const Eigen::Isometry3d& X_WC,

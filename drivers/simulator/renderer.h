@@ -17,6 +17,7 @@ namespace waymark {
 
 struct RendererOptions {
   int num_threads = 1;  // At least 1. The result does not depend on it.
+  SurfaceShaderOptions shader;
 
   // Throws std::invalid_argument naming the first field out of range.
   void Check() const;
@@ -55,8 +56,9 @@ struct RenderedView {
 // black, without depth and surface. Same scene and arguments: same bytes.
 class Renderer {
  public:
-  // The scene is copied. Throws std::invalid_argument for a scene that
-  // CheckScene refuses.
+  // Copies the scene and computes its light, which takes seconds for a
+  // building. Throws std::invalid_argument for a scene that CheckScene
+  // refuses.
   explicit Renderer(const Scene& scene, const RendererOptions& options = {});
 
   // X_WP: of each mover, in the scene's order. May be called from many
@@ -74,7 +76,7 @@ class Renderer {
                                     const RenderOptions& options = {}) const;
 
   [[nodiscard]] const RayCaster& caster() const { return caster_; }
-  // Hierarchies, triangles, textures.
+  // Hierarchies, triangles, textures, light.
   [[nodiscard]] std::size_t num_bytes() const;
 
  private:

@@ -1,6 +1,8 @@
 // Colour and distance of what a ray meets.
 #pragma once
 
+#include "drivers/simulator/light_field.h"
+#include "drivers/simulator/light_map.h"
 #include "drivers/simulator/ray_caster.h"
 #include "drivers/simulator/scene.h"
 #include "drivers/simulator/simd.h"
@@ -8,6 +10,7 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -21,8 +24,8 @@ struct RayFan {
   alignas(32) float d_y[3][RayPacket::kLanes];
 };
 
-// A triangle as the shader wants it. Rows of `maps` are affine in the point:
-// u, v in repetitions of the texture.
+// A triangle as the shader wants it. Affine in the point are: u, v in
+// repetitions of the texture, x, y in cells of the light map.
 struct alignas(64) ShadedTriangle {
   Float4 by_x{};
   Float4 by_y{};
@@ -32,20 +35,40 @@ struct alignas(64) ShadedTriangle {
   double offset = 0.0;  // normal . point of the plane.
   std::uint32_t material = 0;
   std::uint32_t surface = 0;
+  LightMap::Patch light;
+  bool is_light_map_turned = false;  // Its front is our back.
 };
 
 // What the shader needs of the place of a mover.
 struct PlacedMover {
   Eigen::Matrix3f R_PW = Eigen::Matrix3f::Identity();
-  Eigen::Vector3f p_PC = Eigen::Vector3f::Zero();
-  Eigen::Isometry3d X_WP = Eigen::Isometry3d::Identity();
+  Eigen::Vector3f p_PC = Eigen::Vector3f::Zero();  // Where the rays start.
+  Eigen::Vector3f p_WP = Eigen::Vector3f::Zero();
+  float radius = 0.0f;
+  float height = 0.0f;
+  // That arrives there on surfaces facing +x, -x, +y, -y, +z, -z of W.
+  std::array<Float4, 6> light{};
 };
 
+struct SurfaceShaderOptions {
+  LightFieldOptions light;
+  LightMapOptions light_map;
+};
+
+// Textures and light of a scene. Static surfaces are lit by the light map.
+// Movers are lit by what arrives about the middle of them, and darken the
+// static surfaces within kShadowReach, as upright capsules would under light
+// from all sides: the shadow at their feet.
 class SurfaceShader {
  public:
-  explicit SurfaceShader(const Scene& scene);
+  static constexpr float kShadowReach = 1.5f;  // m from their outside.
 
-  // Where the movers are, for rays that start at p_WC.
+  // Computes the light map, which takes most of the time.
+  SurfaceShader(const Scene& scene,
+                const SurfaceShaderOptions& options,
+                int num_threads);
+
+  // Where the movers are and how they are lit, for rays that start at p_WC.
   [[nodiscard]] std::vector<PlacedMover> Place(
       std::span<const Eigen::Isometry3d> X_WP,
       const Eigen::Vector3d& p_WC) const;
@@ -73,13 +96,26 @@ class SurfaceShader {
   [[nodiscard]] std::size_t num_bytes() const;
 
  private:
-  // Entry 0: the static mesh, then the movers.
-  std::vector<std::vector<ShadedTriangle>> triangles_;
+  struct MoverSize {
+    float radius = 0.0f;
+    float height = 0.0f;
+  };
+  [[nodiscard]] Float4 LightAt(const Eigen::Vector3d& p_W,
+                               const Eigen::Vector3d& n_W) const;
+  [[nodiscard]] Float4 ShadeLane(const RayFan& fan,
+                                 int lane,
+                                 std::span<const PlacedMover> movers,
+                                 float footprint_scale) const;
+
+  std::vector<SceneSurface> surfaces_;
+  std::vector<MoverSize> mover_sizes_;
   std::vector<TextureSampler> textures_;
   std::vector<char> is_emissive_;
-  std::vector<SceneSurface> surfaces_;
-  std::vector<SceneLamp> lamps_;
-  Eigen::Vector3d ambient_;
+  std::vector<Float4> albedos_;  // Mean of each texture.
+  LightField field_;
+  LightMap light_map_;
+  // Entry 0: the static mesh, then the movers.
+  std::vector<std::vector<ShadedTriangle>> triangles_;
 };
 
 }  // namespace waymark

@@ -128,9 +128,16 @@ inline Float4 TextureSampler::Trilinear(float level, float u, float v) const {
   const auto last = levels_.size() - 1;
   const auto finer = static_cast<std::size_t>(level);
   if (finer >= last) return mean_;
+  // Near a level that level alone: half the work, and still no step between
+  // levels.
+  constexpr float kPure = 0.3f;
+  const float share =
+      (level - static_cast<float>(finer) - kPure) / (1.0f - 2.0f * kPure);
+  if (share <= 0.0f) return Bilinear(levels_[finer], u, v);
+  if (share >= 1.0f) return Bilinear(levels_[finer + 1], u, v);
   const Float4 fine = Bilinear(levels_[finer], u, v);
   const Float4 coarse = Bilinear(levels_[finer + 1], u, v);
-  return fine + Broadcast(level - static_cast<float>(finer)) * (coarse - fine);
+  return fine + Broadcast(share) * (coarse - fine);
 }
 
 Float4 TextureSampler::Sample(float u,
@@ -155,16 +162,20 @@ Float4 TextureSampler::Sample(float u,
   if (longer > 1e12f) return mean_;  // Wider than any texture.
   // The pixel's area over its length is its width, however it is skewed.
   const float area = std::abs(ux * vy - uy * vx);
-  const float narrower =
-      std::max(area * area / longer, 1.0f);  // Square of the width.
+  const float narrower = std::max(area * area / longer, 1.0f);  // Squared.
+  // Interpolation between texels spreads each probe over more than one of
+  // them: probes may stand farther apart than the pixel is wide.
+  constexpr float kSpacing = 1.5f;
   int num_probes = 1;
-  // Squares: a probe more for each time the length outgrows the width by it.
   while (num_probes < max_probes &&
-         longer > static_cast<float>(num_probes * num_probes) * narrower) {
+         longer > static_cast<float>(num_probes * num_probes) * kSpacing *
+                      kSpacing * narrower) {
     ++num_probes;
   }
   const float per_probe = 1.0f / static_cast<float>(num_probes);
-  const float level = 0.5f * RoughLog2(longer * per_probe * per_probe);
+  // Texels as wide as the pixel; wider only where the probes do not suffice.
+  const float spaced = longer * per_probe * per_probe / (kSpacing * kSpacing);
+  const float level = 0.5f * RoughLog2(std::max(narrower, spaced));
   if (num_probes == 1) return Trilinear(level, u, v);
   const float step_u =
       per_probe * (is_x_longer ? footprint.du_dx : footprint.du_dy);
