@@ -73,7 +73,7 @@ std::string Badges(const LogRecording& recording) {
   return badges;
 }
 
-std::string Summary(std::span<const LogEvaluation> evaluations) {
+std::string SummaryTable(std::span<const LogEvaluation> evaluations) {
   std::vector<std::vector<Cell>> rows{{{"recording", ""},
                                        {"path", ""},
                                        {"time", ""},
@@ -373,8 +373,8 @@ std::string HtmlReport(std::span<const LogEvaluation> evaluations) {
     }
     page += "</nav>\n";
   }
-  page +=
-      "</header>\n<main>\n<section>\n" + Summary(evaluations) + "</section>\n";
+  page += "</header>\n<main>\n<section>\n" + SummaryTable(evaluations) +
+          "</section>\n";
   for (std::size_t i = 0; i < evaluations.size(); ++i) {
     page += Section(evaluations[i], i);
   }
