@@ -1,0 +1,184 @@
+#include "planner/control/velocity_guard.h"
+
+#include "estimation/base/random.h"
+#include "estimation/geometry/angle.h"
+#include "tests/planner/control/disc_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+DiscScene Wall(double x) {
+  return {{}, {{{x, -5.0}, {x, 5.0}}}};
+}
+
+TEST(VelocityGuard, ChangesNothingWithoutObstacles) {
+  VelocityGuard guard({});
+  Random random(1);
+  for (int i = 0; i < 300; ++i) {
+    guard.SetRanges(ScanOf({}, {}, 0.05 * i));
+    const Velocity asked{random.Uniform(-0.5, 0.5), random.Uniform(-1.5, 1.5)};
+    const AllowedVelocity allowed = guard.Allow(At(0.05 * i), asked);
+    EXPECT_EQ(allowed.velocity, asked);
+    EXPECT_EQ(allowed.reason, "");
+  }
+}
+
+TEST(VelocityGuard, KeepsTheLimitsOnTheSameCurve) {
+  VelocityGuardOptions options;
+  options.ranges = RangeUse::kNone;
+  VelocityGuard guard(options);
+  const AllowedVelocity allowed = guard.Allow(At(0), {1.0, 1.0});
+  EXPECT_NEAR(allowed.velocity.forward, 0.5, 1e-12);
+  EXPECT_NEAR(allowed.velocity.turn_rate, 0.5, 1e-12);
+  EXPECT_EQ(allowed.reason, "speed limit");
+}
+
+TEST(VelocityGuard, StopsWithoutRanges) {
+  VelocityGuard guard({});
+  EXPECT_TRUE(guard.Allow(At(0), {0.3, 0.5}).velocity.is_zero());
+  EXPECT_EQ(guard.Allow(At(0), {0.3, 0.0}).reason, "no ranges yet");
+  guard.SetRanges(ScanOf({}, {}, 1.0));
+  EXPECT_EQ(guard.Allow(At(1.4), {0.3, 0.0}).velocity.forward, 0.3);
+  const AllowedVelocity late = guard.Allow(At(1.7), {0.0, 0.5});
+  EXPECT_TRUE(late.velocity.is_zero());
+  EXPECT_EQ(late.reason, "ranges are 0.7 s old");
+  // A run that starts anew does not take the ranges of the one before.
+  EXPECT_EQ(guard.Allow(At(-0.5), {0.3, 0.0}).reason, "no ranges yet");
+}
+
+TEST(VelocityGuard, SlowsDownBeforeAWallAndStandsAtTheMargin) {
+  const DiscScene scene = Wall(2.0);
+  VelocityGuard guard({});
+  DriveState state;
+  double last = 0.5;
+  for (int i = 0; i < 1000; ++i) {
+    guard.SetRanges(ScanOf(scene, state.pose, 0.05 * i));
+    const AllowedVelocity allowed = guard.Allow(At(0.05 * i), {0.5, 0.0});
+    // Never faster again: nothing swings.
+    EXPECT_LE(allowed.velocity.forward, last + 1e-9);
+    if (allowed.velocity.forward < 0.5) {
+      EXPECT_THAT(allowed.reason, HasSubstr("obstacle at"));
+    }
+    last = allowed.velocity.forward;
+    state = Advance(state, allowed.velocity, {}, 0.05);
+  }
+  const double clearance = 2.0 - state.pose.x - 0.2;
+  EXPECT_GE(clearance, 0.05);
+  EXPECT_LT(clearance, 0.07) << "it gets there";
+}
+
+TEST(VelocityGuard, TurnsOnTheSpotAndBacksOffWhereItStands) {
+  const DiscScene scene = Wall(0.23);  // Already within the margin.
+  VelocityGuard guard({});
+  guard.SetRanges(ScanOf(scene, {}, 0.0));
+  EXPECT_EQ(guard.Allow(At(0), {0.3, 0.0}).velocity, Velocity{});
+  EXPECT_EQ(guard.Allow(At(0.0), {0.0, 1.0}).velocity, (Velocity{0.0, 1.0}));
+  EXPECT_EQ(guard.Allow(At(0.0), {-0.3, 0.0}).velocity, (Velocity{-0.3, 0.0}));
+  // Of what is not free turning is left: it leads away.
+  EXPECT_EQ(guard.Allow(At(0.0), {0.3, 1.0}).velocity, (Velocity{0.0, 1.0}));
+}
+
+TEST(VelocityGuard, LooksAlongTheCurve) {
+  // A post to the left of straight ahead.
+  const DiscScene scene{{{{0.5, 0.35}, 0.05}}, {}};
+  const auto allowed = [&](const Velocity& asked) {
+    VelocityGuard guard({});
+    guard.SetRanges(ScanOf(scene, {}, 0.0));
+    return guard.Allow(At(0), asked).velocity;
+  };
+  EXPECT_EQ(allowed({0.5, 0.0}), (Velocity{0.5, 0.0}));
+  EXPECT_EQ(allowed({0.5, -0.8}), (Velocity{0.5, -0.8}));
+  EXPECT_LT(allowed({0.5, 0.8}).forward, 0.48);
+  const Velocity slowed = allowed({0.5, 0.8});
+  EXPECT_NEAR(slowed.turn_rate / slowed.forward, 1.6, 1e-9);
+}
+
+TEST(VelocityGuard, CountsTheAgeOfTheRanges) {
+  // 0.4 s ago the wall was far enough; since then it has been driving.
+  const auto allowed = [](double age) {
+    VelocityGuard guard({});
+    guard.SetRanges(ScanOf(Wall(0.66), {}, 0.0));
+    AllowedVelocity result;
+    for (double t = 0.0; t <= age; t += 0.1) {
+      result = guard.Allow(At(t), {0.4, 0.0});
+    }
+    return result.velocity.forward;
+  };
+  EXPECT_NEAR(allowed(0.0), 0.4, 1e-9);
+  EXPECT_LT(allowed(0.45), 0.38);
+}
+
+TEST(VelocityGuard, DrivesBlindOnlySlowly) {
+  VelocityGuard guard({});
+  RangeScan front{At(0), -kPi / 2, kPi / 180, std::vector<double>(181, 4.0)};
+  guard.SetRanges(front);
+  EXPECT_EQ(guard.Allow(At(0), {0.5, 0.0}).velocity.forward, 0.5);
+  const AllowedVelocity back = guard.Allow(At(0), {-0.4, 0.4});
+  EXPECT_NEAR(back.velocity.forward, -0.1, 1e-12);
+  EXPECT_NEAR(back.velocity.turn_rate, 0.1, 1e-12);
+  EXPECT_EQ(back.reason, "no ranges in that direction");
+  // Readings that say nothing are not seen either.
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  front.ranges.assign(181, nan);
+  guard.SetRanges(front);
+  EXPECT_NEAR(guard.Allow(At(0), {0.5, 0.0}).velocity.forward, 0.1, 1e-12);
+}
+
+TEST(VelocityGuard, KnowsWhereTheSensorIs) {
+  VelocityGuardOptions options;
+  options.X_RS = {0.15, 0.0, kPi};  // Looks back.
+  VelocityGuard guard(options);
+  // Something 0.4 m in front of the sensor: 0.25 m behind R.
+  RangeScan scan{At(0), -0.2, 0.01, std::vector<double>(41, 0.4)};
+  guard.SetRanges(scan);
+  EXPECT_EQ(guard.Allow(At(0), {-0.3, 0.0}).velocity.forward, 0.0);
+  EXPECT_NEAR(guard.Allow(At(0), {0.1, 0.0}).velocity.forward, 0.1, 1e-12);
+}
+
+TEST(VelocityGuard, AWideEchoMayBeAnywhereInIt) {
+  // 30 deg to the left, 0.5 m away: beside the way, unless the beam is wide.
+  const auto allowed = [](double width) {
+    VelocityGuardOptions options;
+    options.beam_width = width;
+    VelocityGuard guard(options);
+    RangeScan scan{At(0), 0.0, RadiansFromDegrees(35.0), {5.0, 0.6}};
+    guard.SetRanges(scan);
+    return guard.Allow(At(0), {0.5, 0.0}).velocity.forward;
+  };
+  EXPECT_EQ(allowed(0.0), 0.5);
+  EXPECT_LT(allowed(RadiansFromDegrees(40.0)), 0.5);
+}
+
+TEST(VelocityGuard, OnlyBackwardsAfterABumper) {
+  VelocityGuardOptions options;
+  options.ranges = RangeUse::kNone;
+  VelocityGuard guard(options);
+  guard.SetContact(At(0));
+  EXPECT_EQ(guard.Allow(At(0.9), {0.3, 0.2}).velocity, (Velocity{0.0, 0.2}));
+  EXPECT_EQ(guard.Allow(At(0.9), {0.3, 0.2}).reason, "bumper: only backwards");
+  EXPECT_EQ(guard.Allow(At(0.9), {-0.3, 0.2}).velocity, (Velocity{-0.3, 0.2}));
+  EXPECT_EQ(guard.Allow(At(1.0), {0.3, 0.2}).velocity, (Velocity{0.3, 0.2}));
+}
+
+TEST(VelocityGuard, RefusesOptionsThatMakeNoSense) {
+  VelocityGuardOptions options;
+  options.radius = 0.0;
+  EXPECT_THROW(VelocityGuard{options}, std::invalid_argument);
+  options = {};
+  options.rates.braking = -1.0;
+  EXPECT_THROW(VelocityGuard{options}, std::invalid_argument);
+  options = {};
+  options.beam_width = 4.0;
+  EXPECT_THROW(VelocityGuard{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace waymark
