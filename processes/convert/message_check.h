@@ -18,9 +18,14 @@ bool Refuse(std::string* reason, const Values&... values) {
   return false;
 }
 
+// Differences and sums of times that are let pass do not overflow.
 inline bool CheckTime(const char* key,
                       std::int64_t utime,
                       std::string* reason) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 60;  // Far in the future.
+  if (utime > kMost) {
+    return Refuse(reason, key, ": ", utime, " must be below ", kMost);
+  }
   return utime > 0 || Refuse(reason, key, ": ", utime, " must be positive");
 }
 

@@ -1,8 +1,12 @@
 // Motion messages: what comes in is checked here once.
 #pragma once
 
+#include "planner/control/velocity_guard.h"
+
+#include <waymark/planar_lidar_t.hpp>
 #include <waymark/velocity_t.hpp>
 
+#include <optional>
 #include <string>
 
 namespace waymark {
@@ -12,5 +16,11 @@ namespace waymark {
 // not be null.
 [[nodiscard]] bool CheckVelocity(const velocity_t& message,
                                  std::string* reason);
+
+// nullopt, with *reason, where the time is not positive, the angles are not
+// finite or go round more than once, or there are more than 100 000 ranges.
+// Ranges themselves may be anything.
+[[nodiscard]] std::optional<RangeScan> RangeScanFromMessage(
+    const planar_lidar_t& message, std::string* reason);
 
 }  // namespace waymark

@@ -24,8 +24,12 @@ void CheckStateFolder(const std::string& path) {
   if (::access(folder.c_str(), W_OK) != 0) Fail(path, errno);
 }
 
+std::string UnfinishedStateFile(const std::string& path) {
+  return path + ".new";
+}
+
 void SaveStateFile(const std::string& path, const std::string& text) {
-  const std::string beside = path + ".new";
+  const std::string beside = UnfinishedStateFile(path);
   const int file =
       ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) Fail(path, errno);

@@ -13,4 +13,8 @@ void CheckStateFolder(const std::string& path);
 // when this returns. Throws InputError with one line.
 void SaveStateFile(const std::string& path, const std::string& text);
 
+// What SaveStateFile() writes first. One that lies there at the start is the
+// rest of a write that was cut short.
+[[nodiscard]] std::string UnfinishedStateFile(const std::string& path);
+
 }  // namespace waymark

@@ -89,7 +89,10 @@ inline DiscScene RandomScene(Random* random, double free) {
     if (i % 2 == 0) {
       one.posts.push_back({place(), random->Uniform(0.03, 0.3)});
     } else {
-      one.walls.push_back({place(), place()});
+      const DiscScene::Wall wall{place(), place()};
+      one.walls.push_back(wall);
+      // A wall without thickness could not be seen from its end.
+      one.posts = {{wall.from, 0.03}, {wall.to, 0.03}};
     }
     if (one.Distance({0.0, 0.0}) < free) continue;
     scene.posts.insert(scene.posts.end(), one.posts.begin(), one.posts.end());

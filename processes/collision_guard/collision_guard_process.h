@@ -1,0 +1,68 @@
+// What of the motion that is asked for the wheels may do.
+#pragma once
+
+#include "planner/control/request_choice.h"
+#include "planner/control/velocity_guard.h"
+#include "processes/collision_guard/collision_guard_config.h"
+#include "processes/collision_guard/stop_latch.h"
+#include "processes/support/bus.h"
+
+#include <waymark/base_status_t.hpp>
+#include <waymark/planar_lidar_t.hpp>
+#include <waymark/stop_t.hpp>
+#include <waymark/velocity_t.hpp>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace waymark {
+
+// MOTION_REQUEST, STOP, RANGES, BASE -> MOTION_COMMAND: at once for each
+// request, with its utime; at once for a STOP; and by a timer (20 Hz) with the
+// utime of the last request, where what was allowed is no longer safe, and as
+// zero while nobody asks. Of several that ask RequestChoice chooses.
+class CollisionGuardProcess {
+ public:
+  using Config = CollisionGuardConfig;
+  static constexpr std::string_view kName = "collision_guard";
+
+  // Throws InputError where the stop file cannot be written.
+  CollisionGuardProcess(const Config& config, Bus* bus);
+
+ private:
+  void OnRequest(const velocity_t& message, Time t);
+  void OnStop(const stop_t& message, Time t);
+  void OnRanges(const planar_lidar_t& message);
+  void OnBase(const base_status_t& message, Time t);
+  void OnTimer(Time now);
+  void ShowFault(Time now);
+
+  // The newest time stamp of all inputs.
+  void NoteTime(Time t);
+  void Publish(Time utime, const MotionRequest& request);
+  void Send(Time utime,
+            const std::string& source,
+            const Velocity& velocity,
+            const std::string& reason);
+
+  Config config_;
+  Bus* bus_;
+  StopLatch latch_;
+  VelocityGuard guard_;
+  RequestChoice choice_;
+
+  Time newest_;   // By the inputs' time stamps,
+  Time arrived_;  // and when it came, on the bus's clock.
+  std::optional<Time> ranges_time_;
+  Time ranges_arrived_;
+  std::map<std::string, Time> request_times_;  // The last of each source.
+  std::optional<Time> request_time_;           // The last of all.
+  Velocity sent_;
+  std::string sent_source_;
+  std::int32_t seq_ = 0;
+};
+
+}  // namespace waymark
