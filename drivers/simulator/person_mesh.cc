@@ -228,19 +228,22 @@ class Person {
   void AddArm(int side, Builder* sleeve, Builder* skin) {
     const auto i = static_cast<std::size_t>(side);
     const float s = SignOf(side);
-    const Vector3f shoulder(-0.005f, 0.172f * s, 1.405f);
+    const Vector3f top(-0.007f, 0.15f * s, 1.435f);
+    const Vector3f shoulder(-0.005f, 0.175f * s, 1.39f);
     const Vector3f elbow(stance_.elbow_x[i], 0.213f * s, 1.13f);
     const Vector3f wrist(stance_.hand_x[i], 0.205f * s, 0.9f);
     const Vector3f upper = 0.55f * shoulder + 0.45f * elbow;
     const Vector3f lower = 0.55f * elbow + 0.45f * wrist;
     if (look_.has_short_sleeves) {
-      sleeve->Limb(std::array{shoulder, upper}, std::array{0.062f, 0.06f}, 12);
+      sleeve->Limb(std::array{top, shoulder, upper},
+                   std::array{0.04f, 0.06f, 0.06f},
+                   12);
       skin->Limb(std::array{upper, elbow, lower, wrist},
                  std::array{0.046f, 0.041f, 0.039f, 0.027f},
                  12);
     } else {
-      sleeve->Limb(std::array{shoulder, upper, elbow, lower, wrist},
-                   std::array{0.062f, 0.055f, 0.047f, 0.044f, 0.037f},
+      sleeve->Limb(std::array{top, shoulder, upper, elbow, lower, wrist},
+                   std::array{0.04f, 0.06f, 0.055f, 0.047f, 0.044f, 0.037f},
                    12);
     }
     skin->Ball(wrist + Vector3f(0.01f, 0.0f, -0.065f),
@@ -261,10 +264,10 @@ class Person {
                            Level(0.005f, 0.0f, 1.08f, 0.114f * b, 0.16f * b),
                            Level(0.0f, 0.0f, 0.99f, 0.118f * b, 0.169f * b),
                            Level(0.0f, 0.0f, 0.9f, 0.122f * b, 0.176f * b),
-                           Level(0.0f, 0.0f, 0.87f, 0.11f * b, 0.165f * b)},
+                           Level(0.0f, 0.0f, 0.87f, 0.12f * b, 0.176f * b)},
                 20);
-    trousers->Loft(std::array{Level(0.0f, 0.0f, 0.92f, 0.11f * b, 0.168f * b),
-                              Level(0.0f, 0.0f, 0.85f, 0.112f, 0.17f),
+    trousers->Loft(std::array{Level(0.0f, 0.0f, 0.92f, 0.11f * b, 0.16f * b),
+                              Level(0.0f, 0.0f, 0.85f, 0.112f, 0.166f),
                               Level(0.0f, 0.0f, 0.78f, 0.08f, 0.14f),
                               Level(0.0f, 0.0f, 0.76f, 0.001f, 0.001f)},
                    16);
