@@ -2,17 +2,36 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
 namespace waymark {
 
-Progress::Progress(std::string what, std::int64_t total)
+std::string TimeLeftText(std::chrono::duration<double> passed,
+                         std::int64_t done,
+                         std::int64_t total) {
+  if (done <= 0) return "";
+  const double seconds = passed.count() * static_cast<double>(total - done) /
+                         static_cast<double>(done);
+  char text[40];
+  if (seconds < 100.0) {
+    std::snprintf(text, sizeof(text), "%.0f s left", std::ceil(seconds));
+  } else if (seconds < 6000.0) {
+    std::snprintf(text, sizeof(text), "%.0f min left", seconds / 60.0);
+  } else {
+    std::snprintf(text, sizeof(text), "%.1f h left", seconds / 3600.0);
+  }
+  return text;
+}
+
+Progress::Progress(std::string what, std::int64_t total, ProgressUnit unit)
     : what_(std::move(what)),
       total_(total),
+      unit_(unit),
       is_terminal_(isatty(STDERR_FILENO) != 0),
-      next_(std::chrono::steady_clock::now() + std::chrono::milliseconds(500)) {
-}
+      start_(std::chrono::steady_clock::now()),
+      next_(start_ + std::chrono::milliseconds(500)) {}
 
 Progress::~Progress() {
   Clear();
@@ -29,11 +48,22 @@ void Progress::Show(std::int64_t done) {
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(200);
   is_shown_ = true;
-  std::fprintf(stderr,
-               "\r\033[K%s: %d %% of %.1f MB",
-               what_.c_str(),
-               static_cast<int>(100 * done / total_),
-               static_cast<double>(total_) / 1e6);
+  if (unit_ == ProgressUnit::kBytes) {
+    std::fprintf(stderr,
+                 "\r\033[K%s: %d %% of %.1f MB",
+                 what_.c_str(),
+                 static_cast<int>(100 * done / total_),
+                 static_cast<double>(total_) / 1e6);
+  } else {
+    const std::string left = TimeLeftText(now - start_, done, total_);
+    std::fprintf(stderr,
+                 "\r\033[K%s: %lld of %lld%s%s",
+                 what_.c_str(),
+                 static_cast<long long>(done),
+                 static_cast<long long>(total_),
+                 left.empty() ? "" : ", ",
+                 left.c_str());
+  }
   std::fflush(stderr);
 }
 

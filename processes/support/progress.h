@@ -7,11 +7,18 @@
 
 namespace waymark {
 
+enum class ProgressUnit {
+  kBytes,
+  kRuns,  // Long ones: the time left is shown too.
+};
+
 // Silent where stderr is no terminal, and in the first half second.
 class Progress {
  public:
-  // `what` is "reading drive.log"; `total` in bytes, at least 0.
-  Progress(std::string what, std::int64_t total);
+  // `what` is "reading drive.log"; `total` at least 0.
+  Progress(std::string what,
+           std::int64_t total,
+           ProgressUnit unit = ProgressUnit::kBytes);
   ~Progress();  // Clears.
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -23,9 +30,17 @@ class Progress {
  private:
   std::string what_;
   std::int64_t total_;
+  ProgressUnit unit_;
   bool is_terminal_;
   bool is_shown_ = false;
+  std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point next_;
 };
+
+// How long the rest takes at the pace so far: "2 min left"; empty before
+// anything is done.
+[[nodiscard]] std::string TimeLeftText(std::chrono::duration<double> passed,
+                                       std::int64_t done,
+                                       std::int64_t total);
 
 }  // namespace waymark
