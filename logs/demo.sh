@@ -7,6 +7,8 @@ root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
 bin=${WAYMARK_BUILD:-$root/build}/bin
 data=${WAYMARK_DATA:-$root/../shared/data}
 out=$root/out/demo
+session_name=demo
+source "$root/procman/session.sh"
 speed=6
 wanted=()
 
@@ -22,9 +24,6 @@ WAYMARK_DATA (shared/data beside the clone); without them logs/samples are
 played. --speed: multiple of the recorded speed (6).
 TEXT
 }
-say() { printf '%s\n' "$*"; }
-refuse() { printf 'demo: %s\n' "$*" >&2; exit 2; }
-
 inside=0
 arguments=("$@")
 while (($#)); do
@@ -99,56 +98,15 @@ for name in "${wanted[@]+"${wanted[@]}"}"; do
 done
 ((${#names[@]})) || refuse "nothing to play in $data, nor in logs/samples"
 
-# ---- a network for LCM -----------------------------------------------------
+# ---- a network, a folder ---------------------------------------------------
 
-# Without a multicast route LCM cannot start. A network of this script's own
-# has one, and ends with it.
-if ((!inside)) && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
-  own=(unshare --net)
-  ((EUID == 0)) || own=(unshare --map-root-user --net)
-  if "${own[@]}" true 2>/dev/null; then
-    say "demo: no multicast route here: playing in a network namespace of its own"
-    exec "${own[@]}" bash -c 'ip link set lo up &&
-      ip route add 224.0.0.0/4 dev lo && exec "$@"' \
-      bash "${BASH_SOURCE[0]}" "${arguments[@]+"${arguments[@]}"}" --inside
-  fi
-  refuse "LCM needs a multicast route: sudo ip route add 224.0.0.0/4 dev lo"
-fi
-# A port that nobody listens on: other LCM programs hear nothing of this.
-for ((port = 20000 + $$ % 20000; ; ++port)); do
-  grep -q ":$(printf '%04X' "$port") " /proc/net/udp || break
-done
-url="udpm://239.255.76.67:$port?ttl=0"
-
-# ---- one demo at a time in one folder --------------------------------------
-
-mkdir -p "$out" 2>/dev/null || refuse "$out: cannot be made"
-exec 9>"$out/.lock"
-flock -n 9 || refuse "another demo is writing to $out; use --out FOLDER"
-
-launcher_pid=0
-player_pid=0
-cleanup() {
-  trap - EXIT INT TERM
-  if ((player_pid)); then kill "$player_pid" 2>/dev/null || true; fi
-  if ((launcher_pid)); then
-    kill "$launcher_pid" 2>/dev/null || true
-    wait "$launcher_pid" 2>/dev/null || true
-  fi
-}
-trap cleanup EXIT
-trap 'cleanup; echo "demo: interrupted" >&2; exit 130' INT TERM
+session_out=$out
+session_enter_network "$inside" "${BASH_SOURCE[0]}" \
+  "${arguments[@]+"${arguments[@]}"}"
+url=$(session_url)
+session_begin
 
 # ---- play ------------------------------------------------------------------
-
-# The newest line that a process wrote, where something went wrong.
-blame() {
-  local file
-  for file in "$1"/*.txt; do
-    [[ -s $file ]] || continue
-    printf '  %s: %s\n' "$(basename "$file" .txt)" "$(tail -n 1 "$file")" >&2
-  done
-}
 
 # play NAME INPUT: real LCM from the player to the recorded log.
 play() {
@@ -164,31 +122,16 @@ lcm_logger: nice -n -10 lcm-logger --quiet --force --lcm-url='$url' '$out/$name.
 pose_filter: '$bin/pose_filter' --lcm-url '$url'
 batch_refiner: '$bin/batch_refiner' --lcm-url '$url'
 LIST
-  # Batch results of long recordings take their time at the end.
-  WAYMARK_STOP_S=60 "$root/procman/launcher.sh" "$folder/list" "$folder" \
-    9>&- &
-  launcher_pid=$!
-  "$bin/waymark-wait" status pose_filter batch_refiner --timeout 30 \
-    --lcm-url "$url" || { blame "$folder"; return 1; }
-  # The recorder listens once it has written a STATUS.
-  local deadline=$((SECONDS + 20))
-  until [[ -s $out/$name.lcm ]]; do
-    if ((SECONDS > deadline)); then
-      say "demo: lcm-logger writes nothing to $out/$name.lcm" >&2
-      blame "$folder"
-      return 1
-    fi
-    sleep 0.1
-  done
+  session_launch "$folder"
+  session_ready "$folder" "$url" "$out/$name.lcm" pose_filter batch_refiner ||
+    return 1
   lcm-logplayer --lcm-url="$url" --speed="$speed" "$input" \
     </dev/null >"$folder/lcm_logplayer.txt" 2>&1 9>&- &
   player_pid=$!
-  wait "$player_pid" || { blame "$folder"; return 1; }
+  wait "$player_pid" || { session_blame "$folder"; return 1; }
   player_pid=0
   "$bin/waymark-wait" idle --for 0.7 --timeout 30 --lcm-url "$url" || true
-  kill "$launcher_pid"
-  wait "$launcher_pid" || { launcher_pid=0; blame "$folder"; return 1; }
-  launcher_pid=0
+  session_end "$folder"
 }
 
 if ((use_samples && ${#wanted[@]} == 0)); then

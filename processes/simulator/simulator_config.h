@@ -1,0 +1,72 @@
+// Configuration of the simulator.
+#pragma once
+
+#include "drivers/simulator/camera_timing.h"
+#include "drivers/simulator/pan_tilt_head.h"
+#include "drivers/simulator/range_sensor.h"
+#include "drivers/simulator/robot.h"
+#include "processes/support/describer.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace waymark {
+
+enum class Pace : std::uint8_t { kRealTime, kStepped };
+enum class RangeKind : std::uint8_t { kNone, kSonar, kLidar };
+enum class CameraQuality : std::uint8_t { kLive, kStill };
+
+struct SimulatedCameraConfig {
+  std::string name;  // As in IMAGE_<name>; empty: no such camera.
+  std::string file;  // Calibration, or one that comes with Waymark.
+  CameraTimingOptions timing;
+  CameraQuality quality = CameraQuality::kLive;
+  bool is_raw = false;
+  bool is_gray = false;
+  std::int64_t max_bytes = 60000;
+  bool has_head = false;
+  PanTiltHeadOptions head;
+  // Of the sensor.
+  double vignetting = 0.3;  // Share of light lost in the farthest corner.
+  double gain = 1.0;
+  bool is_gain_automatic = true;
+  std::int64_t blur_samples = 1;
+  double read_noise = 1.0;     // Grey levels.
+  double full_well = 10000.0;  // Electrons at grey level 255; 0: no photon
+                               // noise.
+
+  void Describe(Describer& d);
+};
+
+struct SimulatorConfig {
+  std::string world = "corridor_office";
+  std::vector<double> start;  // x m, y m, heading deg; empty: the world's own.
+  std::int64_t seed = 1;
+  Pace pace = Pace::kRealTime;
+  double speed = 1.0;
+  double answer_timeout_s = 1.0;
+  double encoder_rate_hz = 50.0;
+  double status_rate_hz = 10.0;
+  std::string state_file;
+  std::int64_t num_threads = 1;
+  RobotOptions robot;
+  RangeKind ranges = RangeKind::kSonar;
+  double range_rate_hz = 10.0;
+  double range_noise = 0.01;
+  SimulatedCameraConfig camera;
+  SimulatedCameraConfig second_camera;
+
+  SimulatorConfig();
+  void Describe(Describer& d);
+  // Throws std::invalid_argument naming the key.
+  void Check() const;
+
+ private:
+  void DescribeTime(Describer& d);
+  void DescribeRobot(Describer& d);
+  void DescribeNoise(Describer& d);
+  void DescribeRanges(Describer& d);
+};
+
+}  // namespace waymark

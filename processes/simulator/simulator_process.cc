@@ -1,0 +1,347 @@
+#include "processes/simulator/simulator_process.h"
+
+#include "drivers/simulator/build_scene.h"
+#include "estimation/base/input_error.h"
+#include "estimation/geometry/angle.h"
+#include "processes/convert/motion_convert.h"
+#include "processes/convert/world_file.h"
+#include "processes/simulator/robot_state_file.h"
+#include "processes/support/channels.h"
+#include "processes/support/state_file.h"
+
+#include <waymark/base_status_t.hpp>
+#include <waymark/camera_info_t.hpp>
+#include <waymark/encoders_t.hpp>
+#include <waymark/planar_lidar_t.hpp>
+#include <waymark/truth_t.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace waymark {
+namespace {
+
+constexpr std::string_view kSource = "simulator";
+constexpr Duration kInfoPeriod = std::chrono::seconds(1);
+constexpr Duration kSavePeriod = std::chrono::seconds(1);
+// Live, a reading is sent so long after its own time: more than a timer is
+// early or late, so that each tick has just one.
+constexpr Duration kTimerSlack = std::chrono::milliseconds(2);
+
+std::optional<RangeSensorOptions> RangeOptions(const SimulatorConfig& config) {
+  if (config.ranges == RangeKind::kNone) return std::nullopt;
+  RangeSensorOptions options = config.ranges == RangeKind::kSonar
+                                   ? RangeSensorOptions::SonarRing()
+                                   : RangeSensorOptions::Lidar();
+  options.rate_hz = config.range_rate_hz;
+  options.sigma = config.range_noise;
+  return options;
+}
+
+}  // namespace
+
+SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
+    : config_(config),
+      bus_(bus),
+      world_(LoadWorldFile(FindWorldFile(config.world))),
+      scene_(BuildScene(world_)),
+      map_(OutlineOfMesh(scene_.mesh, HeightBand{})),
+      people_(world_, PeopleOptions{config.robot.radius}),
+      range_options_(RangeOptions(config)),
+      period_(DurationFromSeconds(1.0 / config.encoder_rate_hz)) {
+  start_.X_WR = StartPose();
+  if (!config_.state_file.empty()) {
+    CheckStateFolder(config_.state_file);
+    if (const auto saved = LoadRobotState(config_.state_file, world_.source)) {
+      start_ = *saved;
+    }
+  }
+  AddCamera(config_.camera);
+  AddCamera(config_.second_camera);
+  scene_ = Scene{};  // All that draws it has its own copy.
+
+  bus->Advertise<encoders_t>(kEncoders);
+  bus->Advertise<base_status_t>(kBase);
+  bus->Advertise<truth_t>(kTruth);
+  if (range_options_) bus->Advertise<planar_lidar_t>(kRanges);
+  bus->Subscribe<velocity_t>(
+      kMotionCommand, Keep::Latest(), [this](const velocity_t& m, Time t) {
+        OnCommand(m, t);
+      });
+  bus->Subscribe<pan_tilt_t>(kPanTiltCommand,
+                             Keep::Latest(),
+                             [this](const pan_tilt_t& m, Time) { OnHead(m); });
+  const double speed = config_.pace == Pace::kRealTime ? config_.speed : 1.0;
+  bus->Every(DurationFromSeconds(Seconds(period_) / speed), [this](Time now) {
+    config_.pace == Pace::kRealTime ? OnTick(now) : OnStepTick(now);
+  });
+}
+
+Pose2 SimulatorProcess::StartPose() const {
+  Pose2 X_WR;
+  if (!config_.start.empty()) {
+    X_WR = {config_.start[0],
+            config_.start[1],
+            WrapAngle(RadiansFromDegrees(config_.start[2]))};
+  } else if (!world_.starts.empty()) {
+    X_WR = world_.starts.front().X_WR;
+  }
+  const double radius = config_.robot.radius;
+  if (const auto nearest = map_.Nearest(X_WR.position(), radius)) {
+    throw InputError(
+        world_.source + ": a robot of radius " + std::to_string(radius) +
+        " m at x " + std::to_string(X_WR.x) + ", y " + std::to_string(X_WR.y) +
+        " would touch something at x " + std::to_string(nearest->p_W.x()) +
+        ", y " + std::to_string(nearest->p_W.y()) + " (start)");
+  }
+  return X_WR;
+}
+
+void SimulatorProcess::AddCamera(const SimulatedCameraConfig& config) {
+  if (config.name.empty()) return;
+  if (!renderer_) {
+    RendererOptions options;
+    options.num_threads = static_cast<int>(config_.num_threads);
+    renderer_ = std::make_unique<Renderer>(scene_, options);
+  }
+  Camera camera;
+  camera.rig = std::make_unique<CameraRig>(
+      config, renderer_.get(), static_cast<std::uint64_t>(config_.seed));
+  bus_->Advertise<image_t>(camera.rig->image_channel());
+  bus_->Advertise<camera_info_t>(camera.rig->info_channel());
+  cameras_.push_back(std::move(camera));
+}
+
+Simulation SimulatorProcess::MakeSimulation(Time start) const {
+  SimulationOptions options;
+  options.robot = config_.robot;
+  options.encoder_rate_hz = config_.encoder_rate_hz;
+  options.truth_rate_hz = config_.encoder_rate_hz;
+  options.status_rate_hz = config_.status_rate_hz;
+  options.ranges = range_options_;
+  for (const Camera& camera : cameras_) {
+    options.cameras.push_back(camera.rig->timing());
+  }
+  options.head = config_.camera.head;
+  options.person_radius = kPersonRadius;
+  options.start_time = start;
+  options.seed = static_cast<std::uint64_t>(config_.seed);
+  SimulationWorld world;
+  world.map = &map_;
+  world.people = [this](double seconds, const Pose2& X_WR) {
+    return people_.PosesAt(seconds, X_WR);
+  };
+  return Simulation(options, world, start_);
+}
+
+// ---- time ------------------------------------------------------------------
+
+void SimulatorProcess::OnTick(Time now) {
+  if (!simulation_) {
+    first_tick_ = now;
+    simulation_.emplace(
+        MakeSimulation(bus_->is_offline() ? now : now - kTimerSlack));
+  }
+  const double passed = config_.speed * Seconds(now - first_tick_);
+  AdvanceTo(first_tick_ + DurationFromSeconds(passed));
+}
+
+void SimulatorProcess::OnStepTick(Time now) {
+  if (!simulation_) {
+    simulation_.emplace(MakeSimulation(now));
+    Step(now);
+    return;
+  }
+  if (Seconds(now - asked_at_) < config_.answer_timeout_s) return;
+  ++num_unanswered_;
+  bus_->SetFault("no MOTION_COMMAND answered " +
+                 std::to_string(num_unanswered_) + " of ENCODERS in " +
+                 std::to_string(config_.answer_timeout_s) + " s");
+  Step(now);
+}
+
+void SimulatorProcess::Step(Time now) {
+  // Set first: on a bus in the same thread the answer may come at once.
+  asked_at_ = now;
+  const bool is_first = !unanswered_;
+  unanswered_ = is_first ? simulation_->now() : simulation_->now() + period_;
+  AdvanceTo(*unanswered_);
+}
+
+void SimulatorProcess::OnCommand(const velocity_t& message, Time t) {
+  std::string reason;
+  if (!CheckVelocity(message, &reason)) {
+    bus_->ReportBad(kMotionCommand, Bad::kContent, reason);
+    return;
+  }
+  if (!simulation_) return;
+  simulation_->Command(message.forward, message.turn_rate);
+  if (config_.pace != Pace::kStepped || !unanswered_ || t < *unanswered_) {
+    return;
+  }
+  Step(bus_->now());
+}
+
+void SimulatorProcess::OnHead(const pan_tilt_t& message) {
+  if (!std::isfinite(message.pan) || !std::isfinite(message.tilt)) {
+    bus_->ReportBad(
+        kPanTiltCommand, Bad::kContent, "pan and tilt must be finite");
+    return;
+  }
+  if (simulation_) simulation_->CommandHead({message.pan, message.tilt});
+}
+
+void SimulatorProcess::AdvanceTo(Time simulated) {
+  Publish(simulation_->AdvanceTo(std::max(simulated, simulation_->now())));
+  PublishImages(simulated);
+  PublishCameraInfo(simulated);
+  if (!save_time_ || simulated - *save_time_ >= kSavePeriod) {
+    save_time_ = simulated;
+    SaveState();
+  }
+}
+
+void SimulatorProcess::SaveState() {
+  if (config_.state_file.empty() || !simulation_) return;
+  try {
+    SaveRobotState(config_.state_file,
+                   {world_.source, simulation_->Snapshot()});
+  } catch (const InputError& error) {
+    bus_->SetFault(error.what());  // A full disk is no reason to stop.
+  }
+}
+
+void SimulatorProcess::Finish() {
+  SaveState();
+}
+
+// ---- messages --------------------------------------------------------------
+
+void SimulatorProcess::Publish(const std::vector<SimulationEvent>& events) {
+  // ENCODERS of one time come last: who answers them has seen the rest.
+  for (std::size_t begin = 0; begin < events.size();) {
+    std::size_t end = begin;
+    while (end < events.size() &&
+           TimeOf(events[end]) == TimeOf(events[begin])) {
+      ++end;
+    }
+    for (const bool encoders : {false, true}) {
+      for (std::size_t i = begin; i < end; ++i) {
+        std::visit(
+            [&](const auto& event) {
+              constexpr bool kIsEncoders =
+                  std::is_same_v<std::decay_t<decltype(event)>, EncoderEvent>;
+              if constexpr (std::is_same_v<std::decay_t<decltype(event)>,
+                                           CameraEvent>) {
+                if (!encoders) Expose(event);
+              } else if (kIsEncoders == encoders) {
+                Publish(event);
+              }
+            },
+            events[i]);
+      }
+    }
+    begin = end;
+  }
+}
+
+void SimulatorProcess::Publish(const EncoderEvent& event) {
+  encoders_t message{};
+  message.utime = Microseconds(event.time);
+  message.seq = static_cast<std::int32_t>(encoders_seq_++);
+  message.left_ticks = event.left_ticks;
+  message.right_ticks = event.right_ticks;
+  bus_->Publish(kEncoders, message);
+}
+
+void SimulatorProcess::Publish(const RangeEvent& event) {
+  planar_lidar_t message{};
+  message.utime = Microseconds(event.time);
+  message.nranges = static_cast<std::int32_t>(event.ranges.size());
+  message.ranges = event.ranges;
+  message.rad0 = static_cast<float>(range_options_->first_bearing);
+  message.radstep = static_cast<float>(range_options_->bearing_step);
+  bus_->Publish(kRanges, message);
+}
+
+void SimulatorProcess::Publish(const BaseEvent& event) {
+  base_status_t message{};
+  message.utime = Microseconds(event.time);
+  message.seq = static_cast<std::int32_t>(base_seq_++);
+  message.is_bumper_left = event.is_left_bumper_pressed;
+  message.is_bumper_right = event.is_right_bumper_pressed;
+  message.is_command_current = event.is_command_current;
+  message.num_contacts = static_cast<std::int32_t>(event.num_touches);
+  message.num_timeouts = static_cast<std::int32_t>(event.num_timeouts);
+  bus_->Publish(kBase, message);
+}
+
+void SimulatorProcess::Publish(const TruthEvent& event) {
+  truth_t message{};
+  message.utime = Microseconds(event.time);
+  message.seq = static_cast<std::int32_t>(truth_seq_++);
+  message.source = kSource;
+  message.has_heading = 1;
+  message.x = event.X_WR.x;
+  message.y = event.X_WR.y;
+  message.heading = event.X_WR.heading;
+  bus_->Publish(kTruth, message);
+}
+
+// ---- images ----------------------------------------------------------------
+
+void SimulatorProcess::Expose(const CameraEvent& event) {
+  Camera& camera = cameras_[static_cast<std::size_t>(event.camera)];
+  // Live, an image is drawn in a thread of its own while wheels and sonar go
+  // on; otherwise when it arrives, and whatever that takes.
+  const bool is_live = config_.pace == Pace::kRealTime && !bus_->is_offline();
+  if (is_live && !camera.pending.empty() &&
+      camera.pending.back().shot.wait_for(std::chrono::seconds(0)) !=
+          std::future_status::ready) {
+    ++camera.num_missed;
+    bus_->SetFault(std::string(camera.rig->image_channel()) + ": " +
+                   std::to_string(camera.num_missed) +
+                   " images not drawn: this machine is too slow for their "
+                   "rate");
+    return;
+  }
+  camera.pending.push_back(
+      {event.frame.arrival,
+       std::async(
+           is_live ? std::launch::async : std::launch::deferred,
+           [rig = camera.rig.get(), event] { return rig->Expose(event); })});
+}
+
+void SimulatorProcess::PublishImages(Time simulated) {
+  for (Camera& camera : cameras_) {
+    while (!camera.pending.empty()) {
+      Pending& next = camera.pending.front();
+      if (next.arrival > simulated || next.shot.wait_for(std::chrono::seconds(
+                                          0)) == std::future_status::timeout) {
+        break;
+      }
+      const CameraRig::Shot shot = next.shot.get();
+      camera.pending.pop_front();
+      if (shot.image) {
+        bus_->Publish(camera.rig->image_channel(), *shot.image);
+      } else {
+        bus_->SetFault(shot.reason);
+      }
+    }
+  }
+}
+
+void SimulatorProcess::PublishCameraInfo(Time simulated) {
+  if (info_time_ && simulated - *info_time_ < kInfoPeriod) return;
+  info_time_ = simulated;
+  for (const Camera& camera : cameras_) {
+    bus_->Publish(camera.rig->info_channel(),
+                  camera.rig->Info(simulated, info_seq_));
+  }
+  ++info_seq_;
+}
+
+}  // namespace waymark

@@ -1,0 +1,330 @@
+#include "processes/simulator/simulator_process.h"
+
+#include "estimation/base/input_error.h"
+#include "processes/convert/camera_convert.h"
+#include "processes/convert/image_convert.h"
+#include "processes/support/channels.h"
+#include "processes/support/local_bus.h"
+#include "tests/support/temporary_directory.h"
+
+#include <waymark/base_status_t.hpp>
+#include <waymark/camera_info_t.hpp>
+#include <waymark/encoders_t.hpp>
+#include <waymark/image_t.hpp>
+#include <waymark/planar_lidar_t.hpp>
+#include <waymark/truth_t.hpp>
+#include <waymark/velocity_t.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+constexpr Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
+
+// A room of 6 x 4 m with one lamp and one picture, and a small camera.
+class SimulatorProcessTest : public testing::Test {
+ protected:
+  SimulatorProcessTest() {
+    Write("room.yaml",
+          "rooms:\n"
+          "  - {name: room, rectangle: [0, 0, 6, 4], lamps: [1, 1]}\n"
+          "starts: [[1, 2, 0]]\n");
+    Write("camera.yaml",
+          "{model: perspective, width: 64, height: 48, fx: 50, fy: 50, "
+          "cx: 31.5, cy: 23.5, mounting: {x: 0.1, z: 0.5}}\n");
+    config_.world = Path("room.yaml");
+    config_.camera.file = Path("camera.yaml");
+    config_.camera.name = "";
+    config_.robot.wheel_variance = 0.0;
+    config_.robot.base_variance = 0.0;
+  }
+
+  std::string Path(const std::string& name) const { return directory_ / name; }
+  void Write(const std::string& name, const std::string& text) const {
+    std::ofstream(Path(name)) << text;
+  }
+  std::string ErrorOf(const SimulatorConfig& config) const {
+    LocalBus world(kStart);
+    try {
+      const SimulatorProcess process(config, world.AddProcess("simulator"));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  TemporaryDirectory directory_;
+  SimulatorConfig config_;
+};
+
+velocity_t Velocity(Time t, double forward, double turn_rate) {
+  velocity_t message{};
+  message.utime = Microseconds(t);
+  message.source = "test";
+  message.forward = forward;
+  message.turn_rate = turn_rate;
+  return message;
+}
+
+// Sends a command ten times a second from `begin` until before `end`.
+void Drive(
+    LocalBus* world, Time begin, Time end, double forward, double turn_rate) {
+  for (Time t = begin; t < end; t += milliseconds(100)) {
+    world->Publish(kMotionCommand, Velocity(t, forward, turn_rate));
+  }
+}
+
+TEST_F(SimulatorProcessTest, DrivesAsCommandedAndStopsWithoutCommands) {
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  Drive(&world, kStart + seconds(1), kStart + seconds(5), 0.3, 0.0);
+  world.RunUntil(kStart + seconds(8));
+
+  const auto truths = world.Messages<truth_t>(kTruth);
+  // 50 Hz for 8 s, none before the first tick.
+  ASSERT_EQ(truths.size(), 399u + 1u);
+  EXPECT_EQ(truths.front().x, 1.0);
+  EXPECT_EQ(truths.back().y, 2.0);
+  // Commands from 1.0 to 4.9 s; half a second after the last it stands. At
+  // 2 m/s^2 speeding up and braking take 0.15 s each, and lose half of that.
+  constexpr double kWay = 0.3 * (4.4 - 0.15);
+  EXPECT_NEAR(truths.back().x, 1.0 + kWay, 0.002);
+  EXPECT_EQ(truths.back().x, truths[truths.size() - 50].x);
+
+  const auto encoders = world.Messages<encoders_t>(kEncoders);
+  ASSERT_EQ(encoders.size(), truths.size());
+  EXPECT_NEAR(
+      static_cast<double>(encoders.back().left_ticks) * 1e-4, kWay, 0.002);
+  EXPECT_EQ(encoders.back().left_ticks, encoders.back().right_ticks);
+
+  const auto bases = world.Messages<base_status_t>(kBase);
+  EXPECT_EQ(bases.back().num_timeouts, 1);
+  EXPECT_FALSE(bases.back().is_command_current);
+  EXPECT_EQ(world.Messages<planar_lidar_t>(kRanges).size(), 80u);
+}
+
+TEST_F(SimulatorProcessTest, TurnsLeftWhereAskedTo) {
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  Drive(&world, kStart + seconds(1), kStart + seconds(2), 0.0, 0.5);
+  world.RunUntil(kStart + seconds(4));
+  EXPECT_GT(world.Messages<truth_t>(kTruth).back().heading, 0.4);
+}
+
+TEST_F(SimulatorProcessTest, AWallStopsItAndIsCountedOnce) {
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  Drive(&world, kStart + seconds(1), kStart + seconds(15), 0.5, 0.0);
+  world.RunUntil(kStart + seconds(15));
+  constexpr double kSkirting = 0.012;  // Thickness of the skirting board.
+  EXPECT_NEAR(world.Messages<truth_t>(kTruth).back().x,
+              6.0 - kSkirting - config_.robot.radius,
+              2e-4);
+  const auto bases = world.Messages<base_status_t>(kBase);
+  EXPECT_EQ(bases.back().num_contacts, 1);
+  EXPECT_TRUE(bases.back().is_bumper_left);
+  EXPECT_TRUE(bases.back().is_bumper_right);
+}
+
+TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
+  config_.camera.name = "FRONT";
+  config_.camera.timing.rate_hz = 10.0;
+  config_.camera.timing.latency_s = 0.08;
+  config_.camera.has_head = true;
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  pan_tilt_t look{};
+  look.utime = Microseconds(kStart + seconds(1));
+  look.pan = 0.5;
+  world.Publish(kPanTiltCommand, look);
+  world.RunUntil(kStart + seconds(3));
+
+  const auto images = world.Messages<image_t>("IMAGE_FRONT");
+  ASSERT_GE(images.size(), 28u);
+  std::string reason;
+  const auto tags = TagsFromMessage(images.back(), &reason);
+  ASSERT_TRUE(tags.has_value()) << reason;
+  ASSERT_TRUE(tags->head.has_value());
+  EXPECT_NEAR(tags->head->pan, 0.5, 1e-9);
+  const auto image = ImageFromMessage(images.back(), ImageColor::kBgr, &reason);
+  ASSERT_TRUE(image.has_value()) << reason;
+  EXPECT_EQ(image->size(), cv::Size(64, 48));
+  EXPECT_GT(cv::mean(*image)[1], 30.0);
+  for (const RawMessage& raw : world.recording()) {
+    if (raw.channel != "IMAGE_FRONT") continue;
+    const auto sent = DecodeMessage<image_t>(raw.data);
+    const double age =
+        Seconds(raw.log_time - TimeFromMicroseconds(sent->utime));
+    // Latency from the end of the exposure, and up to one tick of waiting.
+    EXPECT_GE(age, 0.08);
+    EXPECT_LE(age, 0.08 + 0.005 + 0.02);
+  }
+  const auto infos = world.Messages<camera_info_t>("CAMERA_INFO_FRONT");
+  ASSERT_EQ(infos.size(), 3u);
+  const auto camera = CameraFromMessage(infos.back(), &reason);
+  ASSERT_TRUE(camera.has_value()) << reason;
+  EXPECT_EQ(camera->size.width, 64);
+  EXPECT_TRUE(infos.back().is_pan_tilt);
+}
+
+TEST_F(SimulatorProcessTest, SameSeedSameBytes) {
+  config_.camera.name = "FRONT";
+  config_.robot.wheel_variance = 1e-5;
+  config_.camera.timing.jitter_s = 0.02;
+  std::vector<std::vector<RawMessage>> recordings;
+  for (const int seed : {7, 7, 8}) {
+    config_.seed = seed;
+    LocalBus world(kStart);
+    SimulatorProcess process(config_, world.AddProcess("simulator"));
+    Drive(&world, kStart + seconds(1), kStart + seconds(3), 0.3, 0.3);
+    world.RunUntil(kStart + seconds(3));
+    recordings.push_back(world.recording());
+  }
+  const auto bytes_of = [](const std::vector<RawMessage>& recording) {
+    std::vector<std::vector<std::uint8_t>> bytes;
+    for (const RawMessage& raw : recording) bytes.push_back(raw.data);
+    return bytes;
+  };
+  EXPECT_TRUE(bytes_of(recordings[0]) == bytes_of(recordings[1]));
+  EXPECT_FALSE(bytes_of(recordings[0]) == bytes_of(recordings[2]));
+}
+
+// Each ENCODERS waits for the command that answers it.
+TEST_F(SimulatorProcessTest, SteppedGoesAsFastAsItIsAnswered) {
+  config_.pace = Pace::kStepped;
+  config_.answer_timeout_s = 1.0;
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  Bus* driver = world.AddProcess("driver");
+  driver->Advertise<velocity_t>(kMotionCommand);
+  int num_answers = 0;
+  driver->Subscribe<encoders_t>(
+      kEncoders, Keep::All(), [&](const encoders_t&, Time t) {
+        if (num_answers++ == 100) return;  // As if a message were lost.
+        driver->Publish(kMotionCommand, Velocity(t, 0.2, 0.0));
+        if (num_answers > 200) num_answers = 101;  // Then for ever.
+      });
+  // 100 answered steps in no time, and the first tick 20 ms after the start;
+  // the one without answer is waited for.
+  world.RunUntil(kStart + milliseconds(500));
+  EXPECT_EQ(world.Messages<encoders_t>(kEncoders).size(), 101u);
+  EXPECT_EQ(world.Status("simulator").fault, "");
+}
+
+TEST_F(SimulatorProcessTest, SteppedAndLockStepGiveTheSameTrajectory) {
+  config_.robot.wheel_variance = 1e-5;
+  std::vector<std::vector<truth_t>> paths;
+  for (const Pace pace : {Pace::kRealTime, Pace::kStepped}) {
+    config_.pace = pace;
+    LocalBus world(kStart);
+    SimulatorProcess process(config_, world.AddProcess("simulator"));
+    Bus* driver = world.AddProcess("driver");
+    driver->Advertise<velocity_t>(kMotionCommand);
+    std::int64_t first = 0;
+    int num_answers = 0;
+    driver->Subscribe<encoders_t>(
+        kEncoders, Keep::All(), [&](const encoders_t& m, Time t) {
+          if (first == 0) first = m.utime;
+          if (++num_answers > 400) return;
+          const double s = static_cast<double>(m.utime - first) * 1e-6;
+          driver->Publish(kMotionCommand, Velocity(t, 0.3, std::sin(s)));
+        });
+    world.RunUntil(kStart + seconds(9));
+    paths.push_back(world.Messages<truth_t>(kTruth));
+  }
+  ASSERT_GE(paths[0].size(), 400u);
+  ASSERT_GE(paths[1].size(), 400u);
+  for (std::size_t i = 0; i < 400; ++i) {
+    EXPECT_EQ(paths[0][i].x, paths[1][i].x) << i;
+    EXPECT_EQ(paths[0][i].heading, paths[1][i].heading) << i;
+  }
+  EXPECT_GT(paths[0][399].x, 1.5);
+}
+
+TEST_F(SimulatorProcessTest, GoesOnWhereItWasAndAtRest) {
+  config_.state_file = Path("state.yaml");
+  Pose2 X_WR;
+  std::int64_t ticks = 0;
+  {
+    LocalBus world(kStart);
+    SimulatorProcess process(config_, world.AddProcess("simulator"));
+    Drive(&world, kStart + seconds(1), kStart + seconds(4), 0.3, 0.1);
+    world.RunUntil(kStart + milliseconds(3020));
+    // Killed here: no Finish(). The last save is of 3.02 s.
+    const truth_t last = world.Messages<truth_t>(kTruth).back();
+    X_WR = {last.x, last.y, last.heading};
+    ticks = world.Messages<encoders_t>(kEncoders).back().right_ticks;
+  }
+  LocalBus world(kStart + seconds(10));
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  world.RunUntil(kStart + seconds(12));
+  const auto truths = world.Messages<truth_t>(kTruth);
+  // The step under way may have been saved at its end: 5 ms at 0.3 m/s.
+  EXPECT_NEAR(truths.front().x, X_WR.x, 0.0016);
+  EXPECT_NEAR(truths.front().heading, X_WR.heading, 0.001);
+  EXPECT_EQ(truths.front().x, truths.back().x);
+  EXPECT_NEAR(static_cast<double>(
+                  world.Messages<encoders_t>(kEncoders).front().right_ticks),
+              static_cast<double>(ticks),
+              20.0);
+  // In another world it starts where that begins.
+  Write("other.yaml",
+        "rooms:\n  - {name: room, rectangle: [0, 0, 6, 4]}\n"
+        "starts: [[3, 3, 0]]\n");
+  config_.world = Path("other.yaml");
+  LocalBus other(kStart);
+  SimulatorProcess elsewhere(config_, other.AddProcess("simulator"));
+  other.RunUntil(kStart + seconds(1));
+  EXPECT_EQ(other.Messages<truth_t>(kTruth).front().x, 3.0);
+}
+
+TEST_F(SimulatorProcessTest, BadInputIsOneLine) {
+  SimulatorConfig config = config_;
+  config.world = "nowhere";
+  EXPECT_THAT(ErrorOf(config), HasSubstr("'nowhere' is neither a file nor"));
+  config = config_;
+  config.start = {0.1, 2.0, 0.0};
+  EXPECT_THAT(ErrorOf(config), HasSubstr("would touch something at x 0.0"));
+  config = config_;
+  config.camera.name = "FRONT";
+  config.camera.file = "nothing";
+  EXPECT_THAT(ErrorOf(config), HasSubstr("'nothing' is neither a file nor"));
+  config = config_;
+  config.state_file = Path("absent/state.yaml");
+  EXPECT_THAT(ErrorOf(config), HasSubstr("cannot be written"));
+  config.state_file = Path("state.yaml");
+  Write("state.yaml", "world: [1]\n");
+  EXPECT_THAT(ErrorOf(config), HasSubstr("state.yaml:1: world"));
+  EXPECT_EQ(ErrorOf(config_), "none");
+}
+
+TEST_F(SimulatorProcessTest, BadCommandsAreCountedAndNotObeyed) {
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  world.Publish(kMotionCommand, Velocity(kStart + seconds(1), nan, 0.0));
+  pan_tilt_t look{};
+  look.utime = Microseconds(kStart + seconds(1));
+  look.tilt = nan;
+  world.Publish(kPanTiltCommand, look);
+  world.RunUntil(kStart + seconds(2));
+  EXPECT_EQ(world.Status("simulator").num_bad, 2);
+  EXPECT_EQ(world.Messages<truth_t>(kTruth).back().x, 1.0);
+}
+
+}  // namespace
+}  // namespace waymark
