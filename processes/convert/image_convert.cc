@@ -1,5 +1,6 @@
 #include "processes/convert/image_convert.h"
 
+#include "drivers/video/jpeg_size.h"
 #include "estimation/base/check.h"
 #include "processes/convert/message_check.h"
 #include "processes/support/decode.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -44,54 +44,27 @@ bool CheckSize(int width, int height, std::string* reason) {
 
 // ---- JPEG ------------------------------------------------------------------
 
-// Whether `data` begins and ends as a JPEG (cameras may pad it with zeros) with
-// a frame of this size. The decoder itself would fill in what is missing.
-bool CheckJpeg(std::span<const std::uint8_t> data,
-               const image_t& message,
-               std::string* reason) {
-  while (!data.empty() && data.back() == 0) data = data.first(data.size() - 1);
-  constexpr std::uint8_t kMark = 0xff;
-  constexpr std::uint8_t kStart = 0xd8;
-  constexpr std::uint8_t kEnd = 0xd9;
-  if (data.size() < 4 || data[0] != kMark || data[1] != kStart) {
-    return Refuse(reason, "data: ", data.size(), " bytes are no JPEG");
-  }
-  if (data[data.size() - 2] != kMark || data.back() != kEnd) {
-    return Refuse(reason, "data: JPEG cut short at ", data.size(), " bytes");
-  }
-  const auto number_at = [&](std::size_t at) {
-    return data[at] * 256 + data[at + 1];
-  };
-  // Segments: mark, kind, length (with its own two bytes), content.
-  for (std::size_t at = 2; at + 4 <= data.size() && data[at] == kMark;) {
-    const int kind = data[at + 1];
-    // Frame headers are C0 to CF but for three kinds of tables.
-    const bool is_frame = kind >= 0xc0 && kind <= 0xcf && kind != 0xc4 &&
-                          kind != 0xc8 && kind != 0xcc;
-    if (is_frame && at + 9 <= data.size()) {
-      const int height = number_at(at + 5);
-      const int width = number_at(at + 7);
-      return (width == message.width && height == message.height) ||
-             Refuse(reason,
-                    "size: ",
-                    message.width,
-                    " x ",
-                    message.height,
-                    " px, but its JPEG has ",
-                    width,
-                    " x ",
-                    height);
-    }
-    // Fill bytes may precede a kind.
-    at += kind == kMark ? 1 : 2 + static_cast<std::size_t>(number_at(at + 2));
-  }
-  return Refuse(reason, "data: JPEG without a frame");
+// The decoder itself would take memory for any size, and fill in what is
+// missing.
+bool CheckJpeg(const image_t& message, std::string* reason) {
+  const std::optional<JpegSize> size = SizeOfWholeJpeg(message.data, reason);
+  if (!size) return Refuse(reason, "data: ", std::string(*reason));
+  return (size->width == message.width && size->height == message.height) ||
+         Refuse(reason,
+                "size: ",
+                message.width,
+                " x ",
+                message.height,
+                " px, but its JPEG has ",
+                size->width,
+                " x ",
+                size->height);
 }
 
 std::optional<cv::Mat> DecodeJpeg(const image_t& message,
                                   ImageColor color,
                                   std::string* reason) {
-  if (!CheckJpeg(message.data, message, reason)) return std::nullopt;
+  if (!CheckJpeg(message, reason)) return std::nullopt;
   int flags = cv::IMREAD_IGNORE_ORIENTATION;
   switch (color) {
     case ImageColor::kAsSent:

@@ -1,10 +1,10 @@
 // The live bus of one process.
 #pragma once
 
+#include "estimation/base/mutex.h"
 #include "processes/support/counting_bus.h"
 #include "processes/support/lcm_connection.h"
 #include "processes/support/mailbox.h"
-#include "processes/support/mutex.h"
 
 #include <chrono>
 #include <cstddef>

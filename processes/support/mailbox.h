@@ -1,9 +1,9 @@
 // Where arrived messages wait for their handlers.
 #pragma once
 
+#include "estimation/base/mutex.h"
 #include "estimation/base/time.h"
 #include "processes/support/bus.h"
-#include "processes/support/mutex.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -29,7 +29,9 @@ struct Request {
 
 std::string NamesOf(const std::vector<ProcessClass>& classes) {
   std::string text;
-  for (const auto& c : classes) text += (text.empty() ? "" : ", ") + c.name;
+  for (const auto& c : classes) {
+    if (!c.is_live_only) text += (text.empty() ? "" : ", ") + c.name;
+  }
   return text.empty() ? "none" : text;
 }
 
@@ -159,7 +161,9 @@ int RunReplayTool(const std::vector<ProcessClass>& known,
         app->add_flag("--list", request.list, "Print the processes there are");
         app->final_callback([&] {
           if (!request.list) return Replay(known, request);
-          for (const auto& c : known) std::puts(c.name.c_str());
+          for (const auto& c : known) {
+            if (!c.is_live_only) std::puts(c.name.c_str());
+          }
         });
       });
 }
