@@ -72,7 +72,8 @@ struct PatternTexture {
 };
 
 // The same options give the same bytes. Throws std::invalid_argument where
-// options.Check() does. Cost: some 20 ns a pixel.
+// options.Check() does. Cost: some 50 ns a pixel,
+// twice that for noticeboards.
 [[nodiscard]] PatternTexture MakePattern(const PatternOptions& options);
 
 }  // namespace waymark
