@@ -151,27 +151,36 @@ void PaintNoticeboard(const std::optional<cv::Vec3b>& frame,
       FractalNoise(size, size.width / 12 + 1, size.height / 12 + 1, 3, &random),
       is_cork ? 0.3f : 0.08f,
       image);
-  // Papers in cells of about A4's length, each turned and moved a little.
+  // Papers in cells of about A4's length, each turned and moved a little; only
+  // large boards have gaps. Then more over the gaps between them.
   const float cell = 0.27f * metre;
   const int columns = std::max(1, static_cast<int>(canvas.width() / cell));
   const int rows = std::max(1, static_cast<int>(canvas.height() / cell));
+  const auto pin = [&](float column, float row, float spread) {
+    const Eigen::Vector2f middle(
+        canvas.width() * (column + Between(&random, -spread, spread)) /
+            static_cast<float>(columns),
+        canvas.height() * (row + Between(&random, -spread, spread)) /
+            static_cast<float>(rows));
+    const cv::Mat3b paper = MakePaper(metre, &random);
+    canvas.Paste(paper, middle, Between(&random, -0.09f, 0.09f));
+    const float above = 0.44f * static_cast<float>(paper.rows);
+    canvas.Disc(middle - Eigen::Vector2f(0.0f, above),
+                0.006f * metre,
+                ColorOfHue(random.Uniform(), 0.9, 0.75));
+  };
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      if (random.Index(8) == 0) continue;
-      const Eigen::Vector2f middle(
-          canvas.width() *
-              (static_cast<float>(column) + Between(&random, 0.35f, 0.65f)) /
-              static_cast<float>(columns),
-          canvas.height() *
-              (static_cast<float>(row) + Between(&random, 0.38f, 0.62f)) /
-              static_cast<float>(rows));
-      const cv::Mat3b paper = MakePaper(metre, &random);
-      canvas.Paste(paper, middle, Between(&random, -0.09f, 0.09f));
-      canvas.Disc(middle - Eigen::Vector2f(
-                               0.0f, 0.44f * static_cast<float>(paper.rows)),
-                  0.006f * metre,
-                  ColorOfHue(random.Uniform(), 0.9, 0.75));
+      if (columns * rows > 6 && random.Index(10) == 0) continue;
+      pin(static_cast<float>(column) + 0.5f,
+          static_cast<float>(row) + 0.5f,
+          0.1f);
     }
+  }
+  for (int i = 0; i < 1 + columns * rows / 3; ++i) {
+    pin(static_cast<float>(random.Uniform(0.3, columns - 0.3)),
+        static_cast<float>(random.Uniform(0.3, rows - 0.3)),
+        0.0f);
   }
   const cv::Vec3f wood = frame ? cv::Vec3f(*frame) : cv::Vec3f(120, 165, 190);
   canvas.Border(0.03f * metre, wood);
