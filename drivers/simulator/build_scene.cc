@@ -2,6 +2,8 @@
 
 #include "drivers/simulator/build_furniture.h"
 #include "drivers/simulator/build_rooms.h"
+#include "drivers/simulator/floor_plan.h"
+#include "drivers/simulator/mesh_file.h"
 #include "drivers/simulator/people.h"
 #include "drivers/simulator/person_mesh.h"
 #include "drivers/simulator/walk_area.h"
@@ -18,8 +20,8 @@ namespace {
 constexpr double kPictureDepth = 0.02;  // How far it stands out of the wall.
 constexpr double kLampDepth = 0.03;     // How far a panel hangs below.
 // Of a lamp whose `light` is 1, linear BGR: slightly warm. With a panel of
-// 0.6 m every 2.4 m it makes white walls show at some 200 of 255.
-const Eigen::Vector3d kLampRadiance(4.0, 4.3, 4.5);
+// 0.6 m every 3 m it makes white walls show at some 200 of 255.
+const Eigen::Vector3d kLampRadiance(5.2, 5.6, 5.8);
 // Around a lamp's light, below its panel, so that no ray to it meets the panel.
 constexpr double kLightGap = 0.005;
 constexpr double kAmbient = 0.25;
@@ -36,6 +38,7 @@ class SceneBuilder {
   Scene Run() {
     scene_.ambient = Eigen::Vector3d::Constant(kAmbient * world_.ambient);
     BuildRooms(world_, layout_, &finishes_, &scene_);
+    for (const WorldFloorPlan& plan : world_.floor_plans) AddFloorPlan(plan);
     for (const WorldPillar& pillar : world_.pillars) AddPillar(pillar);
     for (const WorldFurniture& piece : world_.furniture) {
       BuildFurniture(piece, &finishes_, &scene_);
@@ -47,6 +50,7 @@ class SceneBuilder {
     for (const WorldLamp& lamp : world_.lamps) {
       AddLamp(lamp.at, lamp.size, lamp.light);
     }
+    for (const WorldModel& model : world_.models) AddModel(model);
     for (const WorldPerson& person : world_.people) AddPerson(person);
     Check();
     return std::move(scene_);
@@ -150,6 +154,85 @@ class SceneBuilder {
     lamp.size = size;
     lamp.radiance = light * kLampRadiance;
     scene_.lamps.push_back(lamp);
+  }
+
+  void AddModel(const WorldModel& model) {
+    MeshFileOptions options;
+    options.scale = model.scale;
+    options.X_WM.translation() = model.at;
+    options.X_WM.linear() =
+        Eigen::AngleAxisd(model.heading, Eigen::Vector3d::UnitZ())
+            .toRotationMatrix();
+    options.is_y_up = model.is_y_up;
+    options.has_baked_light = model.has_baked_light;
+    try {
+      AppendMeshFile(model.file, model.file, options, &scene_);
+    } catch (const InputError& error) {
+      throw InputError(model.where + ": file: " + error.what());
+    }
+  }
+
+  // Walls from floor to ceiling around every outline; floor and ceiling are
+  // those of the whole image.
+  void AddFloorPlan(const WorldFloorPlan& plan) {
+    FloorPlanOptions options;
+    options.metres_per_pixel = plan.metres_per_pixel;
+    FloorPlan loaded;
+    try {
+      loaded = LoadFloorPlan(plan.image, options);
+    } catch (const InputError& error) {
+      throw InputError(plan.where + ": image: " + error.what());
+    }
+    const Eigen::Vector2d high = plan.at + loaded.size;
+    const std::vector<Eigen::Vector2d> ground{
+        plan.at, {high.x(), plan.at.y()}, high, {plan.at.x(), high.y()}};
+    BuilderFor("plan floor", SurfaceKind::kFloor)
+        .AddArea(
+            ground, 0.0, true, finishes_.Get(plan.floor, plan.where, "floor"));
+    BuilderFor("plan ceiling", SurfaceKind::kCeiling)
+        .AddArea(ground,
+                 plan.height,
+                 false,
+                 finishes_.Get(plan.ceiling, plan.where, "ceiling"));
+    const Finish finish = finishes_.Get(plan.walls, plan.where, "walls");
+    MeshBuilder walls = BuilderFor("plan walls", SurfaceKind::kWall);
+    for (std::vector<Eigen::Vector2d> outline : loaded.outlines) {
+      for (Eigen::Vector2d& p : outline) p += plan.at;
+      double walked = 0.0;
+      for (std::size_t i = 0; i < outline.size(); ++i) {
+        // The wall is at the left: outside is seen.
+        const Eigen::Vector2d& a = outline[i];
+        const Eigen::Vector2d& b = outline[(i + 1) % outline.size()];
+        const Eigen::Vector3d low_a(a.x(), a.y(), 0.0);
+        const Eigen::Vector3d low_b(b.x(), b.y(), 0.0);
+        const Eigen::Vector3d up(0.0, 0.0, plan.height);
+        walls.AddPanel(
+            {low_a, low_b, low_b + up, low_a + up}, finish, {walked, 0.0});
+        walked += (b - a).norm();
+      }
+    }
+    AddPlanLamps(plan, loaded);
+  }
+
+  // Every 3 m, where the plan is free around them.
+  void AddPlanLamps(const WorldFloorPlan& plan, const FloorPlan& loaded) {
+    constexpr double kSpacing = 3.0;
+    constexpr double kHalf = 0.3;
+    for (double x = kSpacing / 2.0; x < loaded.size.x(); x += kSpacing) {
+      for (double y = kSpacing / 2.0; y < loaded.size.y(); y += kSpacing) {
+        bool is_free = true;
+        for (const double dx : {-kHalf, 0.0, kHalf}) {
+          for (const double dy : {-kHalf, 0.0, kHalf}) {
+            is_free = is_free && loaded.IsFree({x + dx, y + dy});
+          }
+        }
+        if (is_free) {
+          AddLamp({plan.at.x() + x, plan.at.y() + y, plan.height},
+                  {2.0 * kHalf, 2.0 * kHalf},
+                  1.0);
+        }
+      }
+    }
   }
 
   void AddPerson(const WorldPerson& person) {

@@ -1,13 +1,10 @@
 #include "drivers/simulator/finishes.h"
 
+#include "drivers/simulator/image_file.h"
 #include "drivers/simulator/material_pattern.h"
 #include "estimation/base/input_error.h"
 
-#include <opencv2/imgcodecs.hpp>
-
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 namespace waymark {
@@ -35,22 +32,12 @@ const std::vector<BuiltIn>& BuiltIns() {
   return kAll;
 }
 
-// By way of memory: OpenCV says more than one line of a file it cannot read.
 cv::Mat3b ReadImage(const std::string& path, const std::string& where) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes(std::istreambuf_iterator<char>(file), {});
-  if (!file) throw InputError(where + ": image = " + path + ": cannot be read");
-  cv::Mat image;
   try {
-    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  } catch (const cv::Exception&) {
-    image.release();
+    return LoadImageFile(path);
+  } catch (const InputError& error) {
+    throw InputError(where + ": image: " + error.what());
   }
-  if (image.empty()) {
-    throw InputError(where + ": image = " + path +
-                     ": is no image that can be read");
-  }
-  return image;
 }
 
 }  // namespace
@@ -102,40 +89,32 @@ Finish Finishes::Make(const WorldLook& look,
   }
 }
 
-WorldLook Finishes::LookOf(const std::string& name,
-                           const std::string& where,
-                           const std::string& key) const {
-  const auto own = std::find_if(
-      world_.materials.begin(),
-      world_.materials.end(),
-      [&](const WorldMaterial& material) { return material.name == name; });
-  if (own != world_.materials.end()) return own->look;
-  WorldLook look;
-  if (const auto built_in = BuiltInFinish(name)) {
-    look.pattern = *built_in;
-    return look;
-  }
-  std::string known;
-  for (const WorldMaterial& m : world_.materials) known += m.name + ", ";
-  for (const std::string& b : BuiltInFinishNames()) known += b + ", ";
-  known.resize(known.size() - 2);
-  throw InputError(where + ": " + key + " = " + name +
-                   ": must be one of: " + known);
-}
-
 Finish Finishes::Get(const std::string& name,
                      const std::string& where,
                      const std::string& key) {
   if (const auto found = made_.find(name); found != made_.end()) {
     return found->second;
   }
-  const WorldLook look = LookOf(name, where, key);
+  WorldLook look;
+  std::string origin = where;
   const auto own = std::find_if(
       world_.materials.begin(),
       world_.materials.end(),
       [&](const WorldMaterial& material) { return material.name == name; });
-  return made_[name] = Make(
-             look, name, own == world_.materials.end() ? where : own->where);
+  if (own != world_.materials.end()) {
+    look = own->look;
+    origin = own->where;
+  } else if (const auto built_in = BuiltInFinish(name)) {
+    look.pattern = *built_in;
+  } else {
+    std::string known;
+    for (const WorldMaterial& m : world_.materials) known += m.name + ", ";
+    for (const std::string& b : BuiltInFinishNames()) known += b + ", ";
+    known.resize(known.size() - 2);
+    throw InputError(where + ": " + key + " = " + name +
+                     ": must be one of: " + known);
+  }
+  return made_[name] = Make(look, name, origin);
 }
 
 Finish Finishes::Plain(const cv::Vec3b& color) {

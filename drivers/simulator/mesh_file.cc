@@ -5,7 +5,6 @@
 #include "estimation/base/check.h"
 #include "estimation/base/input_error.h"
 
-#include <assimp/BaseImporter.h>
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
@@ -99,10 +98,7 @@ void DropOtherImporters(Assimp::Importer* importer) {
       others.push_back(importer->GetImporter(i));
     }
   }
-  for (Assimp::BaseImporter* other : others) {
-    importer->UnregisterLoader(other);  // And no longer owned.
-    delete other;
-  }
+  for (Assimp::BaseImporter* other : others) importer->UnregisterLoader(other);
 }
 
 // ---- materials -------------------------------------------------------------

@@ -1,5 +1,6 @@
 #include "drivers/simulator/walk_area.h"
 
+#include "drivers/simulator/floor_plan.h"
 #include "drivers/simulator/world_layout.h"
 
 #include <algorithm>
@@ -28,6 +29,15 @@ bool IsInAny(const std::vector<WalkArea::Outline>& outlines,
   return std::any_of(outlines.begin(), outlines.end(), [&](const auto& o) {
     return IsInside(o, p);
   });
+}
+
+bool IsInOddNumber(const std::vector<WalkArea::Outline>& outlines,
+                   const Eigen::Vector2d& p) {
+  return std::count_if(outlines.begin(),
+                       outlines.end(),
+                       [&](const auto& o) { return IsInside(o, p); }) %
+             2 ==
+         1;
 }
 
 WalkArea::Outline RectangleAt(const Eigen::Vector2d& at,
@@ -69,6 +79,7 @@ WalkArea::WalkArea(const World& world) {
   for (const WorldFurniture& piece : world.furniture) {
     if (piece.z < 1.8) AddSolid(OutlineOf(piece));  // Else one walks below it.
   }
+  AddFloorPlans(world);
 }
 
 void WalkArea::AddSolid(Outline outline) {
@@ -119,13 +130,34 @@ void WalkArea::AddWalls(const World& world) {
   }
 }
 
+void WalkArea::AddFloorPlans(const World& world) {
+  for (const WorldFloorPlan& plan : world.floor_plans) {
+    FloorPlanOptions options;
+    options.metres_per_pixel = plan.metres_per_pixel;
+    const FloorPlan loaded = LoadFloorPlan(plan.image, options);
+    for (Outline outline : loaded.outlines) {
+      for (Eigen::Vector2d& p : outline) p += plan.at;
+      for (std::size_t i = 0; i < outline.size(); ++i) {
+        segments_.push_back({outline[i], outline[(i + 1) % outline.size()]});
+      }
+      plan_walls_.push_back(std::move(outline));
+    }
+    const Eigen::Vector2d high = plan.at + loaded.size;
+    plan_grounds_.push_back(
+        {plan.at, {high.x(), plan.at.y()}, high, {plan.at.x(), high.y()}});
+  }
+}
+
 double WalkArea::Clearance(const Eigen::Vector2d& p_W) const {
   if (segments_.empty()) return kNoPlan;
   double distance = kNoPlan;
   for (const Segment& segment : segments_) {
     distance = std::min(distance, DistanceTo(segment, p_W));
   }
-  return IsInAny(floors_, p_W) && !IsInAny(solids_, p_W) ? distance : -distance;
+  const bool is_on_floor =
+      IsInAny(floors_, p_W) ||
+      (IsInAny(plan_grounds_, p_W) && !IsInOddNumber(plan_walls_, p_W));
+  return is_on_floor && !IsInAny(solids_, p_W) ? distance : -distance;
 }
 
 }  // namespace waymark

@@ -33,11 +33,14 @@ class WalkArea {
 
  private:
   void AddWalls(const World& world);
+  void AddFloorPlans(const World& world);
   void AddSolid(Outline outline);
 
   std::vector<Segment> segments_;
   std::vector<Outline> floors_;  // Rooms, and the floor in doorways.
   std::vector<Outline> solids_;
+  std::vector<Outline> plan_walls_;  // As FloorPlan::outlines, in W.
+  std::vector<Outline> plan_grounds_;
 };
 
 // Outline of what stands on the floor, counter-clockwise.

@@ -20,7 +20,7 @@ constexpr Range kHeading{-360.0, 360.0};     // Degrees.
 constexpr Range kLight{0.0, 10.0};
 constexpr std::int64_t kMaxSeed = std::numeric_limits<std::int64_t>::max();
 constexpr int kMaxLamps = 100;  // Of a room, along each side.
-constexpr double kLampSpacing = 2.4;
+constexpr double kLampSpacing = 3.0;
 constexpr std::size_t kMaxObjects = 10000;  // Of each kind.
 
 Eigen::Vector2d Vector2Of(const std::vector<double>& numbers) {
@@ -110,6 +110,8 @@ void WorldReader::Read(YamlGroup* root) {
     ReadPictureRow(std::move(g));
   }
   for (YamlGroup& g : Objects(root, "lamps")) ReadLamp(std::move(g));
+  for (YamlGroup& g : Objects(root, "models")) ReadModel(std::move(g));
+  for (YamlGroup& g : Objects(root, "floor_plans")) ReadFloorPlan(std::move(g));
   for (YamlGroup& g : Objects(root, "people")) ReadPerson(std::move(g));
   ReadPoses(root);
   ReadRoutes(root);

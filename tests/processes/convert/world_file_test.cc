@@ -37,8 +37,8 @@ TEST(WorldFile, ACorridorTakesThreeLines) {
   EXPECT_EQ(room.outline.size(), 4u);
   EXPECT_EQ(room.walls.size(), 4u);
   EXPECT_EQ(room.where, "some/hall.yaml:2: rooms[0] (hall)");
-  EXPECT_EQ(room.lamps[0], 3);  // Some 2.4 m apart.
-  EXPECT_EQ(room.lamps[1], 2);
+  EXPECT_EQ(room.lamps[0], 3);  // Some 3 m apart.
+  EXPECT_EQ(room.lamps[1], 1);
   EXPECT_FALSE(BuildScene(world).mesh.triangles.empty());
 }
 

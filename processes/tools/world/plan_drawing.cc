@@ -1,0 +1,384 @@
+#include "processes/tools/world/plan_drawing.h"
+
+#include "drivers/simulator/mesh_outline.h"
+#include "drivers/simulator/people.h"
+#include "drivers/simulator/walk_area.h"
+#include "drivers/simulator/wall_pictures.h"
+#include "drivers/simulator/world_layout.h"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+const cv::Scalar kGround(236, 238, 240);
+const cv::Scalar kFloor(255, 255, 255);
+const cv::Scalar kGrid(243, 240, 237);
+const cv::Scalar kWall(64, 58, 54);
+const cv::Scalar kDoor(60, 120, 190);
+const cv::Scalar kPillar(120, 114, 108);
+const cv::Scalar kFurniture(176, 202, 220);
+const cv::Scalar kFurnitureEdge(110, 140, 165);
+const cv::Scalar kPicture(190, 110, 40);
+const cv::Scalar kModel(150, 120, 90);
+const cv::Scalar kPerson(70, 90, 210);
+const cv::Scalar kStart(70, 150, 40);
+const cv::Scalar kPlace(170, 60, 150);
+const cv::Scalar kRoute(200, 170, 120);
+const cv::Scalar kText(70, 64, 60);
+
+// Drawn twice as large, then halved: OpenCV smooths lines but no areas.
+constexpr int kOversampling = 2;
+constexpr int kShift = 4;  // Bits of a fraction of a pixel.
+constexpr int kMargin = 70;
+constexpr int kMaxPixels = 8000;
+
+class PlanDrawer {
+ public:
+  PlanDrawer(const World& world, const Scene& scene, const PlanOptions& options)
+      : world_(world), scene_(scene), options_(options), area_(world) {
+    for (const auto& segment : area_.segments()) {
+      for (const Eigen::Vector2d& p : segment) box_.extend(p);
+    }
+    if (!world.models.empty()) {
+      for (const Eigen::Vector3f& p : scene.mesh.positions) {
+        box_.extend(p.head<2>().cast<double>());
+      }
+    }
+    for (const WorldPose& pose : world.starts) {
+      box_.extend(pose.X_WR.position());
+    }
+    if (box_.isEmpty()) box_.extend(Eigen::Vector2d::Zero());
+    const int pixels = std::clamp(options.pixels, 200, kMaxPixels);
+    const double side = std::max(box_.sizes().maxCoeff(), 1.0);
+    scale_ = kOversampling * (pixels - 2 * kMargin) / side;
+    const Eigen::Vector2d size =
+        box_.sizes() * scale_ +
+        Eigen::Vector2d::Constant(2.0 * kOversampling * kMargin);
+    image_ = cv::Mat3b(static_cast<int>(size.y()) & ~1,
+                       static_cast<int>(size.x()) & ~1,
+                       cv::Vec3b(236, 238, 240));
+  }
+
+  cv::Mat3b Run() {
+    DrawFloors();
+    DrawWalls();
+    DrawFurniture();
+    DrawDoors();
+    DrawPictures();
+    DrawRoutes();
+    DrawNames();
+    DrawPeople();
+    DrawPoses();
+    DrawScaleBar();
+    cv::Mat3b small;
+    cv::resize(image_,
+               small,
+               {},
+               1.0 / kOversampling,
+               1.0 / kOversampling,
+               cv::INTER_AREA);
+    return small;
+  }
+
+ private:
+  cv::Point2d At(const Eigen::Vector2d& p) const {
+    const double margin = kOversampling * kMargin;
+    return {margin + (p.x() - box_.min().x()) * scale_,
+            image_.rows - margin - (p.y() - box_.min().y()) * scale_};
+  }
+  static cv::Point Fixed(const cv::Point2d& p) {
+    return {static_cast<int>(std::lround(p.x * (1 << kShift))),
+            static_cast<int>(std::lround(p.y * (1 << kShift)))};
+  }
+  // Of paper, in pixels of the result.
+  static int Pen(double pixels) {
+    return std::max(1, static_cast<int>(std::lround(pixels * kOversampling)));
+  }
+
+  void Line(const Eigen::Vector2d& a,
+            const Eigen::Vector2d& b,
+            const cv::Scalar& color,
+            double pen) {
+    cv::line(image_,
+             Fixed(At(a)),
+             Fixed(At(b)),
+             color,
+             Pen(pen),
+             cv::LINE_AA,
+             kShift);
+  }
+
+  void Fill(const WalkArea::Outline& outline, const cv::Scalar& color) {
+    std::vector<cv::Point> points;
+    for (const Eigen::Vector2d& p : outline) points.push_back(Fixed(At(p)));
+    cv::fillPoly(image_,
+                 std::vector<std::vector<cv::Point>>{points},
+                 color,
+                 cv::LINE_AA,
+                 kShift);
+  }
+
+  void Outline(const WalkArea::Outline& outline,
+               const cv::Scalar& color,
+               double pen) {
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      Line(outline[i], outline[(i + 1) % outline.size()], color, pen);
+    }
+  }
+
+  void Disc(const Eigen::Vector2d& p,
+            double radius_px,
+            const cv::Scalar& color) {
+    cv::circle(image_,
+               Fixed(At(p)),
+               static_cast<int>(std::lround(radius_px * (1 << kShift))),
+               color,
+               cv::FILLED,
+               cv::LINE_AA,
+               kShift);
+  }
+
+  // Centred at a pixel of image_.
+  void Text(const std::string& text,
+            const cv::Point2d& middle,
+            double size,
+            const cv::Scalar& color) {
+    const double scale = size * kOversampling;
+    const int pen = Pen(0.6);
+    int baseline = 0;
+    const cv::Size box =
+        cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, pen, &baseline);
+    const cv::Point origin(static_cast<int>(middle.x) - box.width / 2,
+                           static_cast<int>(middle.y) + box.height / 2);
+    cv::putText(image_,
+                text,
+                origin,
+                cv::FONT_HERSHEY_SIMPLEX,
+                scale,
+                kFloor,
+                Pen(2.4),
+                cv::LINE_AA);
+    cv::putText(image_,
+                text,
+                origin,
+                cv::FONT_HERSHEY_SIMPLEX,
+                scale,
+                color,
+                pen,
+                cv::LINE_AA);
+  }
+
+  void DrawFloors() {
+    // What is between rooms is wall.
+    for (const auto& floor : area_.floors()) Outline(floor, kWall, 5.0);
+    for (const auto& floor : area_.floors()) Fill(floor, kFloor);
+    cv::Mat1b is_floor;
+    cv::inRange(image_, kFloor, kFloor, is_floor);
+    for (double x = std::ceil(box_.min().x()); x <= box_.max().x(); x += 1.0) {
+      Line({x, box_.min().y()}, {x, box_.max().y()}, kGrid, 0.5);
+    }
+    for (double y = std::ceil(box_.min().y()); y <= box_.max().y(); y += 1.0) {
+      Line({box_.min().x(), y}, {box_.max().x(), y}, kGrid, 0.5);
+    }
+    cv::Mat3b ground(image_.size(), cv::Vec3b(236, 238, 240));
+    if (!area_.floors().empty()) ground.copyTo(image_, is_floor == 0);
+  }
+
+  void DrawWalls() {
+    for (const auto& segment : area_.segments()) {
+      Line(segment[0], segment[1], kWall, 2.0);
+    }
+    if (world_.models.empty()) return;
+    for (const Segment2& segment : OutlineOfMesh(scene_.mesh, {0.1, 1.5})) {
+      Line(segment.a, segment.b, kModel, 0.8);
+    }
+  }
+
+  void DrawFurniture() {
+    for (const WorldFurniture& piece : world_.furniture) {
+      const WalkArea::Outline outline = OutlineOf(piece);
+      Fill(outline, kFurniture);
+      Outline(outline, kFurnitureEdge, 1.2);
+      // A line along its front.
+      const Eigen::Vector2d shift = 0.12 * (outline[0] - outline[1]);
+      Line(outline[1] + shift, outline[2] + shift, kFurnitureEdge, 0.8);
+    }
+    for (const WorldPillar& pillar : world_.pillars) {
+      Fill(OutlineOf(pillar), kPillar);
+      Outline(OutlineOf(pillar), kWall, 1.5);
+    }
+  }
+
+  void DrawDoors() {
+    for (const Passage& passage : ResolveLayout(world_).passages) {
+      if (passage.door == nullptr) continue;
+      const DoorLeaf leaf = LeafOf(world_, passage);
+      const auto at = [&](double x, double y) -> Eigen::Vector2d {
+        return (leaf.X_WD * Eigen::Vector3d(x, y, 0.0)).head<2>();
+      };
+      const WalkArea::Outline outline{at(0.0, leaf.low),
+                                      at(leaf.width, leaf.low),
+                                      at(leaf.width, leaf.high),
+                                      at(0.0, leaf.high)};
+      Fill(outline, kDoor);
+      Outline(outline, kDoor, 1.0);
+      // The way of its end from where it is shut.
+      const double angle = passage.door->angle;
+      const double sign = passage.door->hinge == Hinge::kLeft ? 1.0 : -1.0;
+      constexpr int kSteps = 24;
+      Eigen::Vector2d last = at(leaf.width, 0.0);
+      for (int i = 1; angle != 0.0 && i <= kSteps; ++i) {
+        const double back = sign * angle * i / kSteps;
+        const Eigen::Vector2d next =
+            at(leaf.width * std::cos(back), leaf.width * std::sin(back));
+        Line(last, next, kDoor, 0.6);
+        last = next;
+      }
+    }
+  }
+
+  void DrawPictures() {
+    for (const HungPicture& picture :
+         HangPictures(world_, ResolveLayout(world_))) {
+      const WallFrame frame = FrameOfWall(
+          world_.rooms[static_cast<std::size_t>(picture.room)], picture.wall);
+      const double half = picture.size.x() / 2.0;
+      const double inward = 2.5 * kOversampling / scale_;
+      Line(frame.At(picture.along - half, inward),
+           frame.At(picture.along + half, inward),
+           kPicture,
+           2.0);
+    }
+  }
+
+  void DrawRoutes() {
+    for (const WorldRoute& route : world_.routes) {
+      for (std::size_t i = 1; i < route.points.size(); ++i) {
+        const Eigen::Vector2d a = route.points[i - 1];
+        const Eigen::Vector2d way = route.points[i] - a;
+        const double dash = 8.0 * kOversampling / scale_;
+        const int dashes = std::max(1, static_cast<int>(way.norm() / dash));
+        for (int k = 0; k < dashes; k += 2) {
+          Line(a + way * k / dashes,
+               a + way * std::min(k + 1, dashes) / dashes,
+               kRoute,
+               1.5);
+        }
+      }
+    }
+  }
+
+  // In the south of each room, where few places are: beside its first wall.
+  void DrawNames() {
+    for (const WorldRoom& room : world_.rooms) {
+      const WallFrame frame = FrameOfWall(room, 0);
+      Text(room.name, At(frame.At(frame.length / 2.0, 0.35)), 0.45, kText);
+    }
+  }
+
+  void DrawPeople() {
+    const Pose2 X_WR = world_.starts.empty() ? Pose2{} : world_.starts[0].X_WR;
+    const auto poses = People(world_, {}).PosesAt(options_.seconds, X_WR);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (world_.people[i].motion == PersonMotion::kWalk) {
+        const auto& path = world_.people[i].path;
+        const std::size_t parts =
+            world_.people[i].is_closed ? path.size() : path.size() - 1;
+        for (std::size_t k = 0; k < parts; ++k) {
+          Line(path[k], path[(k + 1) % path.size()], kPerson, 0.7);
+        }
+      }
+      const Eigen::Vector2d p = poses[i].position();
+      Disc(p, kPersonRadius * scale_, kPerson);
+      Line(p,
+           poses[i] * Eigen::Vector2d(1.6 * kPersonRadius, 0.0),
+           kPerson,
+           2.0);
+    }
+  }
+
+  void DrawPoses() {
+    for (const WorldPose& start : world_.starts) {
+      const double size = std::max(0.3, 9.0 * kOversampling / scale_);
+      WalkArea::Outline arrow;
+      for (const Eigen::Vector2d& p : {Eigen::Vector2d(1.0, 0.0),
+                                       Eigen::Vector2d(-0.7, 0.65),
+                                       Eigen::Vector2d(-0.35, 0.0),
+                                       Eigen::Vector2d(-0.7, -0.65)}) {
+        arrow.push_back(start.X_WR * Eigen::Vector2d(size * p));
+      }
+      Fill(arrow, kStart);
+      Outline(arrow, kStart, 1.0);
+    }
+    for (const WorldPose& place : world_.places) {
+      const Eigen::Vector2d p = place.X_WR.position();
+      Disc(p, 5.0 * kOversampling, kPlace);
+      Disc(p, 2.0 * kOversampling, kFloor);
+      Text(place.name,
+           At(p) + cv::Point2d(0.0, 14.0 * kOversampling),
+           0.4,
+           kPlace);
+    }
+  }
+
+  void DrawScaleBar() {
+    // 1, 2, 5, 10, ... m, near a fifth of the picture.
+    const double wish = 0.2 * image_.cols / scale_;
+    double length = 1.0;
+    for (const double step : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
+      if (step <= wish) length = step;
+    }
+    const double y = image_.rows - 22.0 * kOversampling;
+    const double x = kOversampling * kMargin;
+    for (int i = 0; i < 4; ++i) {
+      const double part = length * scale_ / 4.0;
+      cv::rectangle(image_,
+                    Fixed({x + part * i, y}),
+                    Fixed({x + part * (i + 1), y + 5.0 * kOversampling}),
+                    i % 2 == 0 ? kText : kFloor,
+                    cv::FILLED,
+                    cv::LINE_8,
+                    kShift);
+    }
+    cv::rectangle(image_,
+                  Fixed({x, y}),
+                  Fixed({x + length * scale_, y + 5.0 * kOversampling}),
+                  kText,
+                  Pen(0.7),
+                  cv::LINE_AA,
+                  kShift);
+    Text("0", {x, y - 9.0 * kOversampling}, 0.4, kText);
+    Text(fmt::format("{:g} m", length),
+         {x + length * scale_, y - 9.0 * kOversampling},
+         0.4,
+         kText);
+    Text(world_.name, {image_.cols / 2.0, 28.0 * kOversampling}, 0.6, kText);
+  }
+
+  const World& world_;
+  const Scene& scene_;
+  PlanOptions options_;
+  WalkArea area_;
+  Eigen::AlignedBox2d box_;
+  double scale_ = 1.0;  // Pixels of image_ per metre.
+  cv::Mat3b image_;
+};
+
+}  // namespace
+
+cv::Mat3b DrawPlan(const World& world,
+                   const Scene& scene,
+                   const PlanOptions& options) {
+  return PlanDrawer(world, scene, options).Run();
+}
+
+}  // namespace waymark

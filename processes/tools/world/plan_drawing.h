@@ -1,0 +1,23 @@
+// The plan of a world as a picture.
+#pragma once
+
+#include "drivers/simulator/scene.h"
+#include "drivers/simulator/world.h"
+
+#include <opencv2/core/mat.hpp>
+
+namespace waymark {
+
+struct PlanOptions {
+  int pixels = 1200;     // Of the longer side of what there is.
+  double seconds = 0.0;  // When: of people who walk.
+};
+
+// North up: floors, walls, doors, furniture, people, starts (arrows), places
+// (pins with names), routes, a bar of metres. `scene`: of the same world, for
+// the outlines of mesh files.
+[[nodiscard]] cv::Mat3b DrawPlan(const World& world,
+                                 const Scene& scene,
+                                 const PlanOptions& options);
+
+}  // namespace waymark

@@ -1,0 +1,136 @@
+#include "processes/tools/world/world_check.h"
+
+#include "drivers/simulator/people.h"
+#include "drivers/simulator/renderer.h"
+#include "drivers/simulator/walk_area.h"
+#include "estimation/base/input_error.h"
+#include "estimation/camera/camera_parameters.h"
+#include "estimation/geometry/pose3.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace waymark {
+namespace {
+
+struct Eye {
+  std::string name;
+  CameraRays rays;
+  cv::Mat1b seen;
+  Eigen::Isometry3d X_RC;
+  bool looks_around = false;  // One heading is enough.
+};
+
+cv::Mat1b SeenBy(const CameraView& view) {
+  cv::Mat1b seen(view.size.height, view.size.width);
+  for (int y = 0; y < seen.rows; ++y) {
+    for (int x = 0; x < seen.cols; ++x) {
+      seen(y, x) = RayFromPixel(view.model, Eigen::Vector2d(x, y)) ? 255 : 0;
+    }
+  }
+  return seen;
+}
+
+std::vector<Eye> EyesOf(std::span<const NamedCamera> cameras) {
+  std::vector<Eye> eyes;
+  for (const NamedCamera& named : cameras) {
+    const CameraView view{named.camera.model, named.camera.size};
+    const CameraKind kind = KindOf(named.camera.model);
+    eyes.push_back(
+        {named.name,
+         CameraRays(view),
+         SeenBy(view),
+         named.camera.X_RC,
+         kind == CameraKind::kPanorama || kind == CameraKind::kSphere});
+  }
+  return eyes;
+}
+
+std::vector<Eigen::Isometry3d> MoverPoses(const People& people,
+                                          const Pose2& X_WR) {
+  std::vector<Eigen::Isometry3d> X_WP;
+  for (const Pose2& pose : people.PosesAt(0.0, X_WR)) {
+    X_WP.push_back(SpatialPose(pose));
+  }
+  return X_WP;
+}
+
+}  // namespace
+
+bool Exposure::IsGood() const {
+  return burnt_share + black_share <= kMaxClippedShare && mean >= kMinMean &&
+         mean <= kMaxMean;
+}
+
+Exposure ExposureOf(const cv::Mat3b& image, const cv::Mat1b& seen) {
+  Exposure exposure;
+  double sum = 0.0;
+  std::int64_t burnt = 0;
+  std::int64_t black = 0;
+  std::int64_t count = 0;
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      if (!seen.empty() && seen(y, x) == 0) continue;
+      const cv::Vec3b& p = image(y, x);
+      ++count;
+      sum += 0.114 * p[0] + 0.587 * p[1] + 0.299 * p[2];
+      if (std::max({p[0], p[1], p[2]}) == 255) ++burnt;
+      if (std::min({p[0], p[1], p[2]}) == 0) ++black;
+    }
+  }
+  if (count == 0) return exposure;
+  const auto total = static_cast<double>(count);
+  exposure.mean = sum / total;
+  exposure.burnt_share = static_cast<double>(burnt) / total;
+  exposure.black_share = static_cast<double>(black) / total;
+  return exposure;
+}
+
+std::vector<ViewCheck> CheckViews(const World& world,
+                                  const Scene& scene,
+                                  std::span<const NamedCamera> cameras,
+                                  const WorldCheckOptions& options) {
+  std::vector<WorldPose> poses = world.starts;
+  poses.insert(poses.end(), world.places.begin(), world.places.end());
+  if (poses.empty()) {
+    throw InputError(world.source + ": has neither starts nor places");
+  }
+  const WalkArea area(world);
+  const People people(world, {});
+  RendererOptions renderer_options;
+  renderer_options.num_threads = options.num_threads;
+  renderer_options.shader.light_map.cell_size = options.light_cell_size;
+  const Renderer renderer(scene, renderer_options);
+  const std::vector<Eye> eyes = EyesOf(cameras);
+  std::vector<ViewCheck> checks;
+  for (const WorldPose& pose : poses) {
+    for (int i = 0; i < options.num_headings; ++i) {
+      Pose2 X_WR = pose.X_WR;
+      X_WR.heading += 2.0 * std::numbers::pi * i / options.num_headings;
+      for (const Eye& eye : eyes) {
+        if (eye.looks_around && i > 0) continue;
+        ViewCheck check;
+        check.name = fmt::format(
+            "{}, {:.0f} deg, {}",
+            pose.name,
+            std::remainder(X_WR.heading * 180.0 / std::numbers::pi, 360.0),
+            eye.name);
+        check.clearance = area.Clearance(X_WR.position());
+        check.is_free = check.clearance >= options.robot_radius;
+        const RenderedView view =
+            renderer.Render(eye.rays,
+                            SpatialPose(X_WR) * eye.X_RC,
+                            MoverPoses(people, X_WR),
+                            {.quality = RenderQuality::kLive});
+        check.exposure = ExposureOf(view.image, eye.seen);
+        checks.push_back(std::move(check));
+      }
+    }
+  }
+  return checks;
+}
+
+}  // namespace waymark

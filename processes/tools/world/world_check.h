@@ -1,0 +1,59 @@
+// Whether a world can be used: free starts, images that are well exposed.
+#pragma once
+
+#include "drivers/simulator/scene.h"
+#include "drivers/simulator/world.h"
+#include "processes/convert/camera_file.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace waymark {
+
+// How bright an image is, over the pixels that the camera has rays for.
+struct Exposure {
+  double mean = 0.0;         // Grey value.
+  double burnt_share = 0.0;  // Pixels with a channel at 255.
+  double black_share = 0.0;  // Pixels with a channel at 0.
+
+  static constexpr double kMaxClippedShare = 0.02;
+  static constexpr double kMinMean = 50.0;
+  static constexpr double kMaxMean = 200.0;
+  [[nodiscard]] bool IsGood() const;
+};
+// `seen`: CV_8U of the image's size, 0 where it does not count; empty: all do.
+[[nodiscard]] Exposure ExposureOf(const cv::Mat3b& image,
+                                  const cv::Mat1b& seen);
+
+struct NamedCamera {
+  std::string name;
+  CameraDescription camera;
+};
+
+struct ViewCheck {
+  std::string name;        // "start 0, 90 deg, perspective".
+  double clearance = 0.0;  // Of the place, m, by the plan.
+  Exposure exposure;
+  bool is_free = true;
+};
+
+struct WorldCheckOptions {
+  double robot_radius = 0.25;  // m; starts must be this clear of everything.
+  int num_headings = 4;        // At each start and place.
+  int num_threads = 1;
+  // Of the light map, m: coarse, since only how bright a view is counts.
+  double light_cell_size = 0.5;
+};
+
+// Views from all starts and places of a world, one result each, in order.
+// Throws InputError where the world has neither.
+[[nodiscard]] std::vector<ViewCheck> CheckViews(
+    const World& world,
+    const Scene& scene,
+    std::span<const NamedCamera> cameras,
+    const WorldCheckOptions& options);
+
+}  // namespace waymark

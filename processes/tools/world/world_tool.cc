@@ -1,0 +1,321 @@
+#include "processes/tools/world/world_tool.h"
+
+#include "drivers/simulator/build_scene.h"
+#include "drivers/simulator/people.h"
+#include "drivers/simulator/renderer.h"
+#include "drivers/simulator/scene_edges.h"
+#include "estimation/base/input_error.h"
+#include "estimation/geometry/pose3.h"
+#include "processes/convert/camera_file.h"
+#include "processes/convert/world_file.h"
+#include "processes/support/output_file.h"
+#include "processes/support/progress.h"
+#include "processes/support/run_tool.h"
+#include "processes/tools/world/plan_drawing.h"
+#include "processes/tools/world/world_check.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+struct Request {
+  std::string world;
+  std::vector<std::string> worlds;
+  std::vector<double> pose;
+  std::string camera = "perspective";
+  std::string quality = "still";
+  std::string out;
+  std::string depth;
+  std::string surfaces;
+  std::string edges;
+  double seconds = 0.0;
+  int pixels = 1200;
+  int threads = 1;
+  bool force = false;
+  bool is_verbose = false;
+};
+
+std::string Extension(const std::string& path) {
+  return std::filesystem::path(path).extension().string();
+}
+
+void CheckImageOutput(const Request& request,
+                      const std::string& path,
+                      const std::string& option,
+                      bool is_exact) {
+  if (path.empty()) return;
+  const std::string extension = Extension(path);
+  if (extension != ".png" && (is_exact || extension != ".jpg")) {
+    throw InputError(option + " " + path + ": must end in .png" +
+                     (is_exact ? "" : " or .jpg"));
+  }
+  CheckOutput(path, request.force ? IfExists::kReplace : IfExists::kFail, {});
+}
+
+void WriteImage(const std::string& path,
+                const cv::Mat& image,
+                const Request& request) {
+  std::vector<std::uint8_t> bytes;
+  const std::vector<int> parameters =
+      Extension(path) == ".jpg"
+          ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 88}
+          : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 6};
+  cv::imencode(Extension(path), image, bytes, parameters);
+  OutputFile file(path, request.force ? IfExists::kReplace : IfExists::kFail);
+  file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  file.Close();
+}
+
+// Millimetres in 16 bits; 0: nothing met, 65535: so far or farther.
+cv::Mat1w DepthImage(const cv::Mat1f& depth) {
+  cv::Mat1w image;
+  depth.convertTo(image, CV_16U, 1000.0);
+  return image;
+}
+
+// A colour for each surface that tells neighbours apart.
+cv::Mat3b SurfaceImage(const cv::Mat1i& surface) {
+  cv::Mat3b image(surface.size());
+  for (int y = 0; y < surface.rows; ++y) {
+    for (int x = 0; x < surface.cols; ++x) {
+      const auto id = static_cast<std::uint32_t>(surface(y, x) + 1);
+      const std::uint32_t mixed = id * 2654435761u;
+      image(y, x) = id == 0 ? cv::Vec3b(0, 0, 0)
+                            : cv::Vec3b(static_cast<std::uint8_t>(mixed >> 24),
+                                        static_cast<std::uint8_t>(mixed >> 16),
+                                        static_cast<std::uint8_t>(mixed >> 8));
+    }
+  }
+  return image;
+}
+
+// Their lines over the picture, which is faded.
+cv::Mat3b EdgeImage(const cv::Mat3b& image,
+                    const std::vector<VisibleEdge>& edges) {
+  cv::Mat3b drawn;
+  image.convertTo(drawn, CV_8U, 0.5, 96.0);
+  constexpr int kShift = 4;  // Bits of a fraction of a pixel.
+  const auto fixed = [](const Eigen::Vector2d& p) {
+    return cv::Point(static_cast<int>(std::lround(p.x() * (1 << kShift))),
+                     static_cast<int>(std::lround(p.y() * (1 << kShift))));
+  };
+  for (const VisibleEdge& edge : edges) {
+    for (std::size_t i = 1; i < edge.pixels.size(); ++i) {
+      cv::line(drawn,
+               fixed(edge.pixels[i - 1]),
+               fixed(edge.pixels[i]),
+               {40, 30, 200},
+               1,
+               cv::LINE_AA,
+               kShift);
+    }
+  }
+  return drawn;
+}
+
+Pose2 PoseOf(const Request& request, const World& world) {
+  if (request.pose.empty()) {
+    return world.starts.empty() ? Pose2{} : world.starts[0].X_WR;
+  }
+  return {request.pose[0],
+          request.pose[1],
+          request.pose[2] * std::numbers::pi / 180.0};
+}
+
+void Render(const Request& request) {
+  CheckImageOutput(request, request.out, "--out", false);
+  CheckImageOutput(request, request.depth, "--depth", true);
+  CheckImageOutput(request, request.surfaces, "--surfaces", true);
+  CheckImageOutput(request, request.edges, "--edges", false);
+  const CameraDescription camera =
+      LoadCameraFile(FindCameraFile(request.camera));
+  const World world = LoadWorldFile(FindWorldFile(request.world));
+  const Scene scene = BuildScene(world);
+  const Pose2 X_WR = PoseOf(request, world);
+  std::vector<Eigen::Isometry3d> X_WP;
+  for (const Pose2& pose : People(world, {}).PosesAt(request.seconds, X_WR)) {
+    X_WP.push_back(SpatialPose(pose));
+  }
+  RenderOptions options;
+  options.quality =
+      request.quality == "live" ? RenderQuality::kLive : RenderQuality::kStill;
+  options.depth = !request.depth.empty();
+  options.surface = !request.surfaces.empty();
+  RendererOptions renderer_options;
+  renderer_options.num_threads = request.threads;
+  const Renderer renderer(scene, renderer_options);
+  const CameraView camera_view{camera.model, camera.size};
+  const Eigen::Isometry3d X_WC = SpatialPose(X_WR) * camera.X_RC;
+  const RenderedView view = renderer.Render(camera_view, X_WC, X_WP, options);
+  WriteImage(request.out, view.image, request);
+  if (options.depth) {
+    WriteImage(request.depth, DepthImage(view.depth), request);
+  }
+  if (options.surface) {
+    WriteImage(request.surfaces, SurfaceImage(view.surface), request);
+  }
+  if (!request.edges.empty()) {
+    const auto edges =
+        SceneEdges(scene).Find(renderer.caster(), camera_view, X_WC, X_WP);
+    WriteImage(request.edges, EdgeImage(view.image, edges), request);
+  }
+}
+
+void Plan(const Request& request) {
+  CheckImageOutput(request, request.out, "--out", false);
+  const World world = LoadWorldFile(FindWorldFile(request.world));
+  PlanOptions options;
+  options.pixels = request.pixels;
+  options.seconds = request.seconds;
+  WriteImage(request.out, DrawPlan(world, BuildScene(world), options), request);
+}
+
+// One line for each start and place; returns whether all is well.
+bool CheckOne(const Request& request,
+              const std::string& path,
+              const std::vector<NamedCamera>& cameras) {
+  const World world = LoadWorldFile(path);
+  const Scene scene = BuildScene(world);
+  fmt::print("{}: {} rooms, {} triangles, {} materials, {} people\n",
+             path,
+             world.rooms.size(),
+             scene.mesh.triangles.size(),
+             scene.materials.size(),
+             world.people.size());
+  WorldCheckOptions options;
+  options.num_threads = request.threads;
+  int bad = 0;
+  for (const ViewCheck& check : CheckViews(world, scene, cameras, options)) {
+    const bool is_good = check.is_free && check.exposure.IsGood();
+    if (!is_good) ++bad;
+    if (is_good && !request.is_verbose) continue;
+    fmt::print(
+        "  {}: {}: mean grey {:.0f}, {:.1f} % at 0, {:.1f} % at 255, "
+        "clearance {:.2f} m\n",
+        is_good ? "good" : "BAD",
+        check.name,
+        check.exposure.mean,
+        100.0 * check.exposure.black_share,
+        100.0 * check.exposure.burnt_share,
+        check.clearance);
+  }
+  fmt::print("  {}\n", bad == 0 ? "good" : fmt::format("{} views bad", bad));
+  return bad == 0;
+}
+
+void Check(const Request& request, int* exit_code) {
+  std::vector<NamedCamera> cameras;
+  for (const char* name : {"perspective", "mirror"}) {
+    cameras.push_back({name, LoadCameraFile(FindCameraFile(name))});
+  }
+  std::vector<std::string> paths;
+  for (const std::string& world : request.worlds) {
+    paths.push_back(FindWorldFile(world));
+  }
+  for (const std::string& path : paths) {
+    if (!CheckOne(request, path, cameras)) *exit_code = 1;
+  }
+}
+
+void AddThreads(CLI::App* command, Request* request) {
+  command
+      ->add_option("--threads",
+                   request->threads,
+                   "Of the renderer; images do not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+}
+
+void AddOutput(CLI::App* command, Request* request) {
+  command->add_option("WORLD", request->world, "Name or file")->required();
+  command->add_option("--out", request->out, "Picture, .png or .jpg")
+      ->required();
+  RequireRange(command->add_option(
+                   "--seconds", request->seconds, "When: of people who walk"),
+               0.0,
+               1e6);
+  command->add_flag("-f,--force", request->force, "Replace outputs that exist");
+}
+
+void AddRender(CLI::App* app, Request* request) {
+  CLI::App* command =
+      app->add_subcommand("render", "A picture from any pose and camera");
+  AddOutput(command, request);
+  command
+      ->add_option("--pose",
+                   request->pose,
+                   "X,Y,HEADING of the robot in m and degrees; default: the "
+                   "world's first start")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(-1000.0, 1000.0));
+  command
+      ->add_option("--camera",
+                   request->camera,
+                   "perspective, fisheye, mirror, panorama or a camera file")
+      ->capture_default_str();
+  command->add_option("--quality", request->quality, "live or still")
+      ->check(CLI::IsMember({"live", "still"}))
+      ->capture_default_str();
+  command->add_option(
+      "--depth", request->depth, "Distances too: .png of 16 bits, in mm");
+  command->add_option(
+      "--surfaces", request->surfaces, "Surfaces too: .png, a colour for each");
+  command->add_option("--edges",
+                      request->edges,
+                      "The visible edges over the picture too, .png or .jpg");
+  AddThreads(command, request);
+  command->callback([request] { Render(*request); });
+}
+
+void AddPlan(CLI::App* app, Request* request) {
+  CLI::App* command = app->add_subcommand("plan", "The plan as a picture");
+  AddOutput(command, request);
+  command->add_option("--pixels", request->pixels, "Of the longer side")
+      ->check(CLI::Range(200, 8000))
+      ->capture_default_str();
+  command->callback([request] { Plan(*request); });
+}
+
+void AddCheck(CLI::App* app, Request* request, int* exit_code) {
+  CLI::App* command = app->add_subcommand(
+      "check",
+      "Loads and builds worlds; robots must be free at starts and places, and "
+      "images from there well exposed: mean grey value from 50 to 200, at most "
+      "2 % of pixels at 0 or 255. Exit 1 where one is not.");
+  command->add_option("WORLD", request->worlds, "Names or files")->required();
+  command->add_flag(
+      "-v,--verbose", request->is_verbose, "A line for good views too");
+  AddThreads(command, request);
+  command->callback([request, exit_code] { Check(*request, exit_code); });
+}
+
+}  // namespace
+
+int RunWorldTool(int argc, char** argv) {
+  Request request;
+  return RunTool(argc,
+                 argv,
+                 "waymark-world",
+                 "Simulated worlds: pictures, plans, checks.",
+                 [&](CLI::App* app, int* exit_code) {
+                   app->require_subcommand(1);
+                   AddRender(app, &request);
+                   AddPlan(app, &request);
+                   AddCheck(app, &request, exit_code);
+                 });
+}
+
+}  // namespace waymark

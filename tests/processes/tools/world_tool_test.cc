@@ -1,0 +1,145 @@
+#include "processes/tools/world/world_tool.h"
+
+#include "drivers/simulator/build_scene.h"
+#include "processes/convert/world_file.h"
+#include "processes/tools/world/plan_drawing.h"
+#include "processes/tools/world/world_check.h"
+#include "tests/support/temporary_directory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kYaml =
+    "rooms:\n"
+    "  - {name: hall, rectangle: [0, 0, 5, 4], walls: brick, floor: tiles}\n"
+    "people:\n"
+    "  - {motion: stand, at: [3, 2], heading_deg: 180}\n"
+    "starts: [[1, 2, 0]]\n"
+    "places: {end: [4, 1, 90]}\n";
+
+class WorldTool : public testing::Test {
+ protected:
+  WorldTool() { std::ofstream(world_) << kYaml; }
+
+  int Run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "waymark-world");
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    const int code = RunWorldTool(static_cast<int>(argv.size()), argv.data());
+    error_ = testing::internal::GetCapturedStderr();
+    output_ = testing::internal::GetCapturedStdout();
+    return code;
+  }
+
+  TemporaryDirectory folder_;
+  std::string world_ = folder_ / "w.yaml";
+  std::string error_;
+  std::string output_;
+};
+
+TEST_F(WorldTool, RendersImageDepthSurfacesAndEdges) {
+  const std::string at = folder_ / "";
+  ASSERT_EQ(Run({"render",
+                 world_,
+                 "--pose=1,2,0",
+                 "--quality=live",
+                 "--out=" + at + "a.png",
+                 "--depth=" + at + "d.png",
+                 "--surfaces=" + at + "s.png",
+                 "--edges=" + at + "e.png"}),
+            0)
+      << error_;
+  const cv::Mat image = cv::imread(at + "a.png");
+  EXPECT_EQ(image.cols, 640);
+  const cv::Mat depth = cv::imread(at + "d.png", cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(depth.type(), CV_16UC1);
+  // The person at x = 3 from a camera at x = 1.1, then the wall at x = 5.
+  double nearest = 0.0;
+  cv::minMaxLoc(depth(cv::Rect(300, 200, 40, 40)), &nearest);
+  EXPECT_NEAR(nearest, 1800, 150);
+  EXPECT_NEAR(depth.at<std::uint16_t>(240, 100), 4200, 300);
+  EXPECT_EQ(cv::imread(at + "s.png").size(), image.size());
+  EXPECT_EQ(cv::imread(at + "e.png").size(), image.size());
+  // What is there is not overwritten.
+  EXPECT_EQ(Run({"render", world_, "--out=" + at + "a.png"}), 2);
+  EXPECT_THAT(error_, HasSubstr("a.png"));
+}
+
+TEST_F(WorldTool, ChecksStartsPlacesAndBrightness) {
+  EXPECT_EQ(Run({"check", world_, "-v"}), 0) << output_;
+  EXPECT_THAT(output_, HasSubstr("good: start 0, 0 deg, perspective: mean"));
+  EXPECT_THAT(output_, HasSubstr("good: end, 90 deg, mirror: mean grey"));
+  // Without light, and with a start in a wall.
+  std::ofstream(world_) << "rooms:\n"
+                           "  - {name: a, rectangle: [0, 0, 5, 4], light: 0}\n"
+                           "ambient: 0\n"
+                           "starts: [[0.1, 2, 0]]\n";
+  EXPECT_EQ(Run({"check", world_}), 1);
+  EXPECT_THAT(output_, HasSubstr("BAD: start 0"));
+  EXPECT_THAT(output_, HasSubstr("clearance 0.10 m"));
+}
+
+TEST_F(WorldTool, RefusesBadInputInOneLine) {
+  const std::string out = "--out=" + (folder_ / "x.png");
+  EXPECT_EQ(Run({"render", "no_world", out}), 2);
+  EXPECT_THAT(error_, HasSubstr("'no_world' is neither"));
+  EXPECT_EQ(Run({"render", world_, out, "--camera=eye"}), 2);
+  EXPECT_EQ(Run({"render", world_, out, "--pose=1,2"}), 2);
+  EXPECT_EQ(Run({"render", world_, "--out=x.gif"}), 2);
+  EXPECT_THAT(error_, HasSubstr("must end in .png or .jpg"));
+  EXPECT_EQ(Run({"plan", world_, out, "--pixels=3"}), 2);
+  EXPECT_EQ(Run({}), 2);
+}
+
+TEST(PlanDrawing, ShowsFloorsWallsAndPeopleToScale) {
+  const World world = WorldFromYaml(kYaml, "w.yaml");
+  PlanOptions options;
+  options.pixels = 640;
+  const cv::Mat3b plan = DrawPlan(world, BuildScene(world), options);
+  // 5 x 4 m with 70 pixels around: 100 pixels a metre, north up.
+  ASSERT_EQ(plan.cols, 640);
+  ASSERT_EQ(plan.rows, 540);
+  const auto at = [&](double x, double y) {
+    return plan(static_cast<int>(470 - 100 * y),
+                static_cast<int>(70 + 100 * x));
+  };
+  EXPECT_EQ(at(2.55, 3.55), cv::Vec3b(255, 255, 255));  // Floor.
+  EXPECT_EQ(at(-0.3, 2.0), cv::Vec3b(236, 238, 240));   // Outside.
+  EXPECT_LT(at(0.0, 3.0)[0], 120);                      // Wall.
+  EXPECT_EQ(at(3.1, 2.1), cv::Vec3b(70, 90, 210));      // The person.
+  EXPECT_EQ(at(1.05, 2.0), cv::Vec3b(70, 150, 40));     // The start.
+}
+
+TEST(Exposure, CountsWhatIsBurntAndBlack) {
+  cv::Mat3b image(10, 10, cv::Vec3b(100, 100, 100));
+  image(0, 0) = {255, 20, 20};
+  image(0, 1) = {20, 0, 20};
+  const Exposure exposure = ExposureOf(image, {});
+  EXPECT_NEAR(exposure.burnt_share, 0.01, 1e-12);
+  EXPECT_NEAR(exposure.black_share, 0.01, 1e-12);
+  EXPECT_TRUE(exposure.IsGood());
+  image(0, 2) = {0, 0, 0};
+  EXPECT_FALSE(ExposureOf(image, {}).IsGood());
+  // Pixels that no ray belongs to do not count.
+  cv::Mat1b seen(10, 10, std::uint8_t{255});
+  seen(0, 2) = 0;
+  EXPECT_NEAR(ExposureOf(image, seen).black_share, 1.0 / 99.0, 1e-12);
+  EXPECT_FALSE(ExposureOf(cv::Mat3b(4, 4, cv::Vec3b(49, 49, 49)), {}).IsGood());
+  EXPECT_FALSE(
+      ExposureOf(cv::Mat3b(4, 4, cv::Vec3b(201, 201, 201)), {}).IsGood());
+}
+
+}  // namespace
+}  // namespace waymark
