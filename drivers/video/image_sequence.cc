@@ -128,9 +128,10 @@ std::vector<TimesLine> ReadTimesFile(const std::string& path) {
     TimesLine line;
     if (!(words >> time)) continue;
     words >> line.name;
-    const auto refuse = [&](const std::string& why) {
-      throw InputError(path + ":" + std::to_string(number) + ": time '" + time +
-                       "' " + why);
+    const auto refuse = [&](const char* why) {
+      std::ostringstream out;
+      out << path << ':' << number << ": time '" << time << "' " << why;
+      throw InputError(out.str());
     };
     const auto [end, error] =
         std::from_chars(time.data(), time.data() + time.size(), line.seconds);

@@ -41,7 +41,7 @@ inline constexpr int kCreateMaxSpeed = 500;  // Of a wheel, mm/s.
 // Wheels of 72 mm, 508.8 counts a turn: [1], packet 43.
 inline constexpr double kCreateMetersPerTick = 0.072 * 3.14159265358979 / 508.8;
 inline constexpr double kCreateWheelBase = 0.235;  // m.
-inline constexpr double kCreateStreamPeriod_s = 0.015;
+inline constexpr double kCreateStreamPeriodS = 0.015;
 
 // Enters passive mode from any other: the wheels stop.
 [[nodiscard]] Bytes EncodeStart();

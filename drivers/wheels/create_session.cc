@@ -31,7 +31,7 @@ void CreateSessionOptions::Check() const {
     throw std::invalid_argument("return_delay_s must not be negative");
   }
   // Ten frames: fewer are lost to noise alone.
-  if (!(silence_s >= 10.0 * kCreateStreamPeriod_s) ||
+  if (!(silence_s >= 10.0 * kCreateStreamPeriodS) ||
       !std::isfinite(silence_s)) {
     throw std::invalid_argument("silence_s must be at least 0.15 s");
   }
