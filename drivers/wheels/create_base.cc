@@ -12,6 +12,10 @@ void CreateBaseOptions::Check() const {
   if (!(reopen_s > 0.0) || !std::isfinite(reopen_s)) {
     throw std::invalid_argument("reopen_s must be positive");
   }
+  constexpr double kMaxSeconds = 3600.0;
+  if (!(watchdog_s >= 0.1) || !(watchdog_s <= kMaxSeconds)) {
+    throw std::invalid_argument("watchdog_s must be in [0.1, 3600]");
+  }
 }
 
 CreateBase::CreateBase(const CreateBaseOptions& options)
@@ -22,36 +26,39 @@ CreateBase::CreateBase(const CreateBaseOptions& options)
 }
 
 void CreateBase::Open(Time now) {
-  last_words_.reset();
+  watchdog_.reset();
   if (tried_ && now - *tried_ < DurationFromSeconds(options_.reopen_s)) return;
   tried_ = now;
   if (!port_.Open()) return;
-  last_words_ = std::make_unique<LastWords>(port_.fd(), EncodeStop());
+  watchdog_ =
+      std::make_unique<Watchdog>(port_.fd(), EncodeStop(), options_.watchdog_s);
   session_.Open(now);
 }
 
-void CreateBase::Send(Time now) {
-  const Bytes bytes = session_.Send(now);
-  if (!bytes.empty()) port_.Write(bytes);
+void CreateBase::Exchange(Time now) {
+  // What the robot has said comes first: it may have stopped itself.
+  const std::optional<Bytes> bytes = port_.Read();
+  if (!bytes) return;
+  session_.Receive(now, *bytes);
+  const Bytes answer = session_.Send(now);
+  if (!answer.empty()) port_.Write(answer);
 }
 
 void CreateBase::Command(Time now, double forward, double turn_rate) {
   session_.Command(now, forward, turn_rate);
-  if (port_.is_open()) Send(now);
+  Exchange(now);
 }
 
 std::optional<CreateReading> CreateBase::Poll(Time now) {
   if (!port_.is_open()) Open(now);
-  const std::optional<Bytes> bytes = port_.Read();
-  if (!bytes) return std::nullopt;
-  session_.Receive(now, *bytes);
-  Send(now);
+  if (watchdog_) watchdog_->Beat();
+  Exchange(now);
   return session_.TakeReading();
 }
 
 void CreateBase::Stop() {
   if (port_.is_open()) port_.Write(EncodeStreamPause());
-  last_words_.reset();
+  watchdog_.reset();
   port_.Close();
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "drivers/wheels/create_session.h"
-#include "drivers/wheels/last_words.h"
 #include "drivers/wheels/serial_port.h"
+#include "drivers/wheels/watchdog.h"
 #include "estimation/base/time.h"
 
 #include <memory>
@@ -15,7 +15,8 @@ namespace waymark {
 struct CreateBaseOptions {
   std::string device = "/dev/ttyUSB0";
   int baud = 115200;
-  double reopen_s = 1.0;  // Between attempts to open the port.
+  double reopen_s = 1.0;    // Between attempts to open the port.
+  double watchdog_s = 0.5;  // Without a Poll() for this long the robot stops.
   CreateSessionOptions session;
 
   // Throws std::invalid_argument naming the first field out of range.
@@ -23,8 +24,9 @@ struct CreateBaseOptions {
 };
 
 // The wheels stand from the moment that the port is opened until a command
-// comes, and again when this object goes or its process ends in any way; not
-// where the cable is pulled or the machine stops: the robot has no watchdog.
+// comes, and again when this object goes, or its process hangs or ends in any
+// way; not where the cable is pulled or the machine stops: the robot has no
+// watchdog of its own.
 class CreateBase {
  public:
   // Throws as Check() does.
@@ -45,11 +47,11 @@ class CreateBase {
 
  private:
   void Open(Time now);
-  void Send(Time now);
+  void Exchange(Time now);
 
   CreateBaseOptions options_;
   SerialPort port_;
-  std::unique_ptr<LastWords> last_words_;  // While the port is open.
+  std::unique_ptr<Watchdog> watchdog_;  // While the port is open.
   CreateSession session_;
   std::optional<Time> tried_;
 };

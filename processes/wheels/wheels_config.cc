@@ -44,6 +44,11 @@ void WheelsConfig::Describe(Describer& d) {
            &create.reopen_s,
            {0.05, 60.0},
            "Between attempts to open the port");
+  d.Number(
+      "watchdog_s",
+      &create.watchdog_s,
+      {0.1, 3600.0},
+      "Where this process hangs for so long, its watchdog stops the robot");
   d.Number("period_s",
            &period_s,
            {0.01, 0.1},

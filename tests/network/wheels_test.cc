@@ -44,7 +44,7 @@ class Driver {
       message.utime = Microseconds(bus_.now());
       message.seq = seq_++;
       message.source = "driver";
-      message.forward = 0.2;
+      message.forward = forward;
       bus_.Publish(kMotionCommand, message);
       pollfd wait{bus_.wake_fd(), POLLIN, 0};
       ::poll(&wait, 1, 50);
@@ -67,6 +67,7 @@ class Driver {
 
   CreateOnPty robot;
   int num_encoders = 0;
+  double forward = 0.2;
 
  private:
   LcmBus bus_;
@@ -99,6 +100,26 @@ TEST_F(WheelsNetworkTest, SigkillStopsTheRobotAndAfterARestartItGoesOn) {
   wheels = driver.StartWheels();
   EXPECT_TRUE(driver.UntilMoving(true));
   EXPECT_TRUE(driver.Until([&] { return driver.num_encoders > num_before; }));
+}
+
+TEST_F(WheelsNetworkTest, SigstopStopsTheRobotUntilACommandToStand) {
+  Driver driver;
+  const auto wheels = driver.StartWheels();
+  ASSERT_TRUE(driver.UntilMoving(true));
+  wheels->Signal(SIGSTOP);
+  EXPECT_TRUE(driver.UntilMoving(false));
+  // The commands that it finds on waking are old, and the robot has stopped.
+  const int num_before = driver.num_encoders;
+  wheels->Signal(SIGCONT);
+  ASSERT_TRUE(
+      driver.Until([&] { return driver.num_encoders > num_before + 100; }));
+  driver.robot.With([](CreateEmulator& r) { EXPECT_FALSE(r.is_moving()); });
+  driver.forward = 0.0;
+  const int num_again = driver.num_encoders;
+  ASSERT_TRUE(
+      driver.Until([&] { return driver.num_encoders > num_again + 10; }));
+  driver.forward = 0.2;
+  EXPECT_TRUE(driver.UntilMoving(true));
 }
 
 }  // namespace

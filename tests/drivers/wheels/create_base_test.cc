@@ -24,6 +24,7 @@ CreateBaseOptions Options(const std::string& device) {
   CreateBaseOptions options;
   options.device = device;
   options.reopen_s = 0.1;
+  options.watchdog_s = 60.0;  // A loaded machine must not look like a hang.
   return options;
 }
 
@@ -138,6 +139,30 @@ TEST(CreateBase, KilledProcessStopsItsRobot) {
   world.base = std::make_unique<CreateBase>(Options(world.pty.device()));
   world.forward = 0.1;
   EXPECT_TRUE(world.Until([&] { return world.Speed() == 100; }));
+}
+
+TEST(CreateBase, ProcessThatHangsStopsItsRobot) {
+  CreateOnPty pty;
+  CreateBaseOptions options = Options(pty.device());
+  options.watchdog_s = 0.1;
+  CreateBase base(options);
+  const Time now = TimeFromMicroseconds(1'700'000'000'000'000);
+  (void)base.Poll(now);
+  // Any mode in which it can move, whatever the greeting has come to.
+  pty.Step(0.02);
+  pty.With([](CreateEmulator& robot) {
+    robot.SetMode(CreateEmulator::kSafe);
+    robot.Receive(EncodeDriveDirect(200, 200));
+    ASSERT_TRUE(robot.is_moving());
+  });
+  // And no further call.
+  bool is_moving = true;
+  for (int i = 0; i < 5000 && is_moving; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    pty.Step(0.001);
+    pty.With([&](CreateEmulator& robot) { is_moving = robot.is_moving(); });
+  }
+  EXPECT_FALSE(is_moving);
 }
 
 TEST(CreateBase, DriverThatIsNotReadLosesCommandsNotTheirBounds) {

@@ -29,6 +29,7 @@ const Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
 WheelsConfig Config(const std::string& device) {
   WheelsConfig config;
   config.create.device = device;
+  config.create.watchdog_s = 60.0;  // Time is simulated.
   return config;
 }
 
