@@ -19,7 +19,6 @@ constexpr double kConeStep = RadiansFromDegrees(1.0);
 RangeSensorOptions RangeSensorOptions::SonarRing() {
   RangeSensorOptions options;
   options.bearing_step = 2.0 * kPi / options.num_beams;
-  options.ring_radius = 0.15;
   options.beam_width = RadiansFromDegrees(30.0);
   options.max_incidence = RadiansFromDegrees(25.0);
   options.sigma = 0.005;

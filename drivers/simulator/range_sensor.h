@@ -30,7 +30,9 @@ struct RangeSensorOptions {
   double sigma_share = 0.0;
   double drop_share = 0.0;  // Of readings that are lost: nothing heard.
 
-  // 16 beams of 30 deg all around, heard up to 25 deg off the normal.
+  // 16 beams of 30 deg all around, heard up to 25 deg off the normal. They
+  // start in the middle, so that they overlap from there on: real transducers
+  // on a ring do by their side lobes, which hear what is close.
   [[nodiscard]] static RangeSensorOptions SonarRing();
   // 361 rays over 270 deg.
   [[nodiscard]] static RangeSensorOptions Lidar();

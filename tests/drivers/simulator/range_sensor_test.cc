@@ -53,6 +53,7 @@ TEST(RangeSensor, LidarMeasuresARoomAsGeometryHasIt) {
 TEST(RangeSensor, SonarHearsTheNearestThatItMeetsSteeplyEnough) {
   RangeSensorOptions options = Exact(RangeSensorOptions::SonarRing());
   options.max_range = 10.0;
+  options.ring_radius = 0.15;
   RangeSensor sonar(options, 1);
   const ObstacleMap wall({{{2.0, -50.0}, {2.0, 50.0}}});
   for (const double heading : {0.0, 0.1, 0.2, 0.25}) {
