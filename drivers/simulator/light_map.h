@@ -72,12 +72,15 @@ class LightMap {
   [[nodiscard]] std::size_t num_bytes() const;
   [[nodiscard]] std::size_t num_nodes() const { return nodes_.size(); }
 
+  // For the form of At that takes eight places at once. A cell is the log2 of
+  // its nodes' steps along a side, above the index of the first of its
+  // (steps + 1)^2 nodes.
+  static constexpr int kIndexBits = 28;
+  [[nodiscard]] const std::uint32_t* cells() const { return cells_.data(); }
+  [[nodiscard]] const Float4* nodes() const { return nodes_.data(); }
+
  private:
   friend class LightMapBaker;
-
-  // log2 of the nodes' steps along a side in the uppermost bits, then the
-  // index of the first of its (steps + 1)^2 nodes.
-  static constexpr int kIndexBits = 28;
 
   std::vector<LightChart> charts_;
   std::vector<std::int32_t> chart_of_;     // By triangle.

@@ -133,6 +133,56 @@ RTCIntersectContext ContextOf(const RayPacket& packet) {
   return context;
 }
 
+// A ball that holds a mesh.
+struct Ball {
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  double radius = 0.0;
+};
+
+Ball BallAbout(const SceneMesh& mesh) {
+  if (mesh.positions.empty()) return {};
+  Eigen::Vector3f low = mesh.positions[0];
+  Eigen::Vector3f high = low;
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector3d middle =
+      0.5 * (low.cast<double>() + high.cast<double>());
+  double radius = 0.0;
+  for (const Eigen::Vector3f& p : mesh.positions) {
+    radius = std::max(radius, (p.cast<double>() - middle).norm());
+  }
+  return {middle, radius};
+}
+
+// Lanes whose lines come near a ball. Most packets come near no mover, which is
+// told sooner here than by Embree's hierarchy of instances.
+std::uint32_t LanesNear(const RayPacket& packet, const Ball& ball) {
+  // More than float roundings take away.
+  const auto radius = static_cast<float>(1.001 * ball.radius + 1e-3);
+  float outside[kLanes];
+  for (int i = 0; i < kLanes; ++i) {
+    const float x = static_cast<float>(ball.middle.x()) - packet.origin[0][i];
+    const float y = static_cast<float>(ball.middle.y()) - packet.origin[1][i];
+    const float z = static_cast<float>(ball.middle.z()) - packet.origin[2][i];
+    const float along = x * packet.direction[0][i] +
+                        y * packet.direction[1][i] + z * packet.direction[2][i];
+    const float square = packet.direction[0][i] * packet.direction[0][i] +
+                         packet.direction[1][i] * packet.direction[1][i] +
+                         packet.direction[2][i] * packet.direction[2][i];
+    // Square of the distance from the line, times that of the direction.
+    outside[i] =
+        (x * x + y * y + z * z - radius * radius) * square - along * along;
+  }
+  std::uint32_t lanes = 0;
+  for (int i = 0; i < kLanes; ++i) {
+    // NaN counts as near.
+    lanes |= outside[i] > 0.0f ? 0u : 1u << i;
+  }
+  return lanes;
+}
+
 }  // namespace
 
 struct RayCaster::State {
@@ -141,6 +191,7 @@ struct RayCaster::State {
   RTCDevice device = nullptr;
   SceneHandle mesh;
   std::vector<SceneHandle> movers;
+  std::vector<Ball> balls;  // About the movers, in their frames.
 
   State() = default;
   State(const State&) = delete;
@@ -154,6 +205,7 @@ struct RayCaster::State {
 
 struct RayCaster::Placement::State {
   SceneHandle scene;
+  std::vector<Ball> balls;  // In W.
 };
 
 RayCaster::RayCaster(const Scene& scene, Content content)
@@ -168,6 +220,7 @@ RayCaster::RayCaster(const Scene& scene, Content content)
   for (const SceneMover& mover : scene.movers) {
     state_->movers.push_back(
         BuildMesh(state_->device, scene, mover.mesh, content));
+    state_->balls.push_back(BallAbout(mover.mesh));
   }
 }
 
@@ -205,6 +258,8 @@ RayCaster::Placement RayCaster::Place(
       rtcAttachGeometryByID(
           placed->scene.get(), instance, static_cast<unsigned>(i));
       rtcReleaseGeometry(instance);
+      placed->balls.push_back(
+          {X_WP[i] * state_->balls[i].middle, state_->balls[i].radius});
     }
     rtcCommitScene(placed->scene.get());
     ThrowOnError(state_->device);
@@ -223,8 +278,14 @@ void RayCaster::Trace(RayPacket* packet, const Placement* placement) const {
   }
   RTCIntersectContext context = ContextOf(*packet);
   rtcIntersect8(valid, state_->mesh.get(), &context, &hits);
-  if (placement != nullptr && placement->state_->scene.get() != nullptr) {
-    rtcIntersect8(valid, placement->state_->scene.get(), &context, &hits);
+  if (placement != nullptr) {
+    std::uint32_t near = 0;
+    for (const Ball& ball : placement->state_->balls) {
+      near |= LanesNear(*packet, ball);
+    }
+    if ((near & packet->active) != 0) {
+      rtcIntersect8(valid, placement->state_->scene.get(), &context, &hits);
+    }
   }
   // Where nothing was met the IDs are the ones set above.
   static_assert(RTC_INVALID_GEOMETRY_ID == RayPacket::kNothing);

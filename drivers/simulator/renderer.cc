@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
@@ -51,6 +52,14 @@ constexpr std::array<Offset, 16> kStillOffsets = [] {
   return offsets;
 }();
 
+// Where colours go, and whether the hits of the centres are needed later.
+struct Targets {
+  cv::Mat3f* linear = nullptr;
+  cv::Mat3b* image = nullptr;
+  const SrgbTable* srgb = nullptr;
+  bool needs_hits = false;
+};
+
 // One call of Render: shared by its threads.
 class Frame {
  public:
@@ -58,7 +67,8 @@ class Frame {
         const SurfaceShader& shader,
         const CameraRays& camera,
         const Eigen::Isometry3d& X_WC,
-        std::span<const Eigen::Isometry3d> X_WP)
+        std::span<const Eigen::Isometry3d> X_WP,
+        const Targets& targets)
       : caster_(caster),
         shader_(shader),
         camera_(camera),
@@ -66,8 +76,12 @@ class Frame {
         p_WC_(X_WC.translation()),
         placement_(caster.Place(X_WP)),
         movers_(shader.Place(X_WP, p_WC_)),
-        hits_(static_cast<std::size_t>(camera.size().width) *
-              static_cast<std::size_t>(camera.size().height)) {}
+        targets_(targets) {
+    if (targets.needs_hits) {
+      hits_.resize(static_cast<std::size_t>(camera.size().width) *
+                   static_cast<std::size_t>(camera.size().height));
+    }
+  }
 
   [[nodiscard]] const PixelHit& hit(int x, int y) const {
     return hits_[static_cast<std::size_t>(y) *
@@ -75,19 +89,28 @@ class Frame {
                  static_cast<std::size_t>(x)];
   }
 
-  // Centres of two rows of pixels; their colours too where `linear` is given.
-  void TraceCentres(int block_row, cv::Mat3f* linear) {
+  // Centres of two rows of pixels; their colours too if `has_colour`.
+  void TraceCentres(int block_row, bool has_colour) {
+    RayFan fan;
+    SetOrigin(p_WC_.cast<float>(), &fan.rays);
+    alignas(32) std::array<Float4, kLanes> colours;
     for (int column = 0; column < camera_.num_block_columns(); ++column) {
       const CameraRays::Block& block = camera_.block(block_row, column);
       if (block.valid == 0) continue;
-      RayFan fan;
       TurnToWorld(block, &fan);
       Trace(&fan);
-      alignas(32) std::array<Float4, kLanes> colours;
-      if (linear != nullptr) {
-        shader_.Shade(fan, movers_, 1.0f, colours.data());
+      if (has_colour) shader_.Shade(fan, movers_, 1.0f, colours.data());
+      const int x = column * CameraRays::kBlockWidth;
+      const int y = block_row * CameraRays::kBlockHeight;
+      for (std::uint32_t left = block.valid; left != 0; left &= left - 1u) {
+        const int lane = std::countr_zero(left);
+        const int dx = lane % CameraRays::kBlockWidth;
+        const int dy = lane / CameraRays::kBlockWidth;
+        if (targets_.needs_hits) StoreHit(x + dx, y + dy, fan.rays, lane);
+        if (has_colour) {
+          StoreColour(x + dx, y + dy, colours[static_cast<std::size_t>(lane)]);
+        }
       }
-      StoreBlock(block_row, column, fan.rays, colours, linear);
     }
   }
 
@@ -97,8 +120,7 @@ class Frame {
   void Supersample(int y,
                    const std::array<Offset, kNum>& offsets,
                    float footprint_scale,
-                   const Wanted& is_wanted,
-                   cv::Mat3f* linear) const {
+                   const Wanted& is_wanted) const {
     // A packet holds samples of several pixels, or a pixel has several packets.
     constexpr auto kPixels =
         static_cast<int>(kNum < kLanes ? kLanes / kNum : 1);
@@ -111,8 +133,7 @@ class Frame {
         SamplePixels(std::span(columns.data(), num_columns),
                      y,
                      std::span(offsets),
-                     footprint_scale,
-                     linear);
+                     footprint_scale);
         num_columns = 0;
       }
     }
@@ -138,22 +159,25 @@ class Frame {
 
  private:
   void TurnToWorld(const CameraRays::Block& block, RayFan* fan) const {
-    SetOrigin(p_WC_.cast<float>(), &fan->rays);
-    for (int i = 0; i < 3; ++i) {
-      const float x = R_WC_(i, 0);
-      const float y = R_WC_(i, 1);
-      const float z = R_WC_(i, 2);
-      for (int lane = 0; lane < kLanes; ++lane) {
-        fan->rays.direction[i][lane] = x * block.direction[0][lane] +
-                                       y * block.direction[1][lane] +
-                                       z * block.direction[2][lane];
-        fan->d_x[i][lane] = x * block.d_x[0][lane] + y * block.d_x[1][lane] +
-                            z * block.d_x[2][lane];
-        fan->d_y[i][lane] = x * block.d_y[0][lane] + y * block.d_y[1][lane] +
-                            z * block.d_y[2][lane];
+    Turn(block.direction, fan->rays.direction);
+    Turn(block.d_x, fan->d_x);
+    Turn(block.d_y, fan->d_y);
+    fan->rays.active = block.valid;
+  }
+
+  // R_WC times eight vectors.
+  void Turn(const float (&from)[3][kLanes], float (&to)[3][kLanes]) const {
+    constexpr int kStep = 4;
+    for (int lane = 0; lane < kLanes; lane += kStep) {
+      const Float4 x = LoadFour(from[0] + lane);
+      const Float4 y = LoadFour(from[1] + lane);
+      const Float4 z = LoadFour(from[2] + lane);
+      for (int i = 0; i < 3; ++i) {
+        StoreFour(Broadcast(R_WC_(i, 0)) * x + Broadcast(R_WC_(i, 1)) * y +
+                      Broadcast(R_WC_(i, 2)) * z,
+                  to[i] + lane);
       }
     }
-    fan->rays.active = block.valid;
   }
 
   void Trace(RayFan* fan) const {
@@ -161,30 +185,25 @@ class Frame {
     shader_.RefineDistances(p_WC_, &fan->rays);
   }
 
-  void StoreBlock(int block_row,
-                  int column,
-                  const RayPacket& rays,
-                  const std::array<Float4, kLanes>& colours,
-                  cv::Mat3f* linear) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      if ((rays.active >> lane & 1u) == 0) continue;
-      const int x =
-          column * CameraRays::kBlockWidth + lane % CameraRays::kBlockWidth;
-      const int y =
-          block_row * CameraRays::kBlockHeight + lane / CameraRays::kBlockWidth;
-      PixelHit& pixel =
-          hits_[static_cast<std::size_t>(y) *
-                    static_cast<std::size_t>(camera_.size().width) +
-                static_cast<std::size_t>(x)];
-      pixel = {rays.triangle[lane],
-               rays.mover[lane],
-               rays.triangle[lane] == RayPacket::kNothing ? 0.0f
-                                                          : rays.distance[lane],
-               true};
-      if (linear != nullptr) {
-        const Float4& colour = colours[static_cast<std::size_t>(lane)];
-        (*linear)(y, x) = {colour[0], colour[1], colour[2]};
-      }
+  void StoreHit(int x, int y, const RayPacket& rays, int lane) {
+    const bool is_met = rays.triangle[lane] != RayPacket::kNothing;
+    hits_[static_cast<std::size_t>(y) *
+              static_cast<std::size_t>(camera_.size().width) +
+          static_cast<std::size_t>(x)] = {rays.triangle[lane],
+                                          rays.mover[lane],
+                                          is_met ? rays.distance[lane] : 0.0f,
+                                          true};
+  }
+
+  void StoreColour(int x, int y, const Float4& colour) const {
+    if (targets_.linear != nullptr) {
+      cv::Vec3f& pixel = targets_.linear->ptr<cv::Vec3f>(y)[x];
+      for (int c = 0; c < 3; ++c) pixel[c] = colour[c];
+    }
+    if (targets_.image != nullptr) {
+      cv::Vec3b& pixel = targets_.image->ptr<cv::Vec3b>(y)[x];
+      for (int c = 0; c < 3; ++c)
+        pixel[c] = targets_.srgb->FromLinear(colour[c]);
     }
   }
 
@@ -218,8 +237,7 @@ class Frame {
   void SamplePixels(std::span<const int> columns,
                     int y,
                     std::span<const Offset> offsets,
-                    float footprint_scale,
-                    cv::Mat3f* linear) const {
+                    float footprint_scale) const {
     const auto num_offsets = static_cast<int>(offsets.size());
     const auto num_samples = static_cast<int>(columns.size()) * num_offsets;
     std::array<Float4, 2> sums{};  // As many pixels as fit into a packet.
@@ -248,8 +266,7 @@ class Frame {
     }
     const float share = 1.0f / static_cast<float>(num_offsets);
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      (*linear)(y, columns[i]) = {
-          share * sums[i][0], share * sums[i][1], share * sums[i][2]};
+      StoreColour(columns[i], y, Broadcast(share) * sums[i]);
     }
   }
 
@@ -285,6 +302,7 @@ class Frame {
   Eigen::Vector3d p_WC_;
   RayCaster::Placement placement_;
   std::vector<PlacedMover> movers_;
+  Targets targets_;
   std::vector<PixelHit> hits_;
 };
 
@@ -293,35 +311,26 @@ const RendererOptions& Checked(const RendererOptions& options) {
   return options;
 }
 
-void StoreImageRow(const cv::Mat3f& linear,
-                   const SrgbTable& srgb,
-                   int y,
-                   cv::Mat3b* image) {
-  const cv::Vec3f* from = linear[y];
-  cv::Vec3b* to = (*image)[y];
-  for (int x = 0; x < linear.cols; ++x) {
-    for (int c = 0; c < 3; ++c) to[x][c] = srgb.FromLinear(from[x][c]);
-  }
-}
-
 void StoreGeometryRow(const Frame& frame,
                       const SurfaceShader& shader,
                       int y,
                       RenderedView* view) {
   const int width =
       std::max({view->depth.cols, view->surface.cols, view->floor.cols});
+  float* depth = view->depth.empty() ? nullptr : view->depth[y];
+  int* surfaces = view->surface.empty() ? nullptr : view->surface[y];
+  std::uint8_t* floor = view->floor.empty() ? nullptr : view->floor[y];
   for (int x = 0; x < width; ++x) {
     const PixelHit& hit = frame.hit(x, y);
+    if (depth != nullptr) depth[x] = hit.distance;
+    if (surfaces == nullptr && floor == nullptr) continue;
     if (hit.triangle == RayPacket::kNothing) continue;
     const std::uint32_t surface =
         shader.triangle(hit.mover, hit.triangle).surface;
-    if (!view->depth.empty()) view->depth(y, x) = hit.distance;
-    if (!view->surface.empty()) {
-      view->surface(y, x) = static_cast<int>(surface);
-    }
-    if (!view->floor.empty() &&
+    if (surfaces != nullptr) surfaces[x] = static_cast<int>(surface);
+    if (floor != nullptr &&
         shader.surfaces()[surface].kind == SurfaceKind::kFloor) {
-      view->floor(y, x) = 255;
+      floor[x] = 255;
     }
   }
 }
@@ -350,28 +359,34 @@ RenderedView Renderer::Render(const CameraRays& camera,
   if (options.depth) view.depth = cv::Mat1f::zeros(size);
   if (options.surface) view.surface = cv::Mat1i(size, -1);
   if (options.floor) view.floor = cv::Mat1b::zeros(size);
-  Frame frame(caster_, shader_, camera, X_WC, X_WP);
+  if (options.image) view.image = cv::Mat3b::zeros(size);
+  if (options.linear) view.linear = cv::Mat3f::zeros(size);
   const bool has_colour = options.image || options.linear;
-  cv::Mat3f linear;
-  if (has_colour) linear = cv::Mat3f::zeros(size);
+  const bool has_geometry = options.depth || options.surface || options.floor;
   const bool is_still = options.quality == RenderQuality::kStill;
+  const bool is_live = options.quality == RenderQuality::kLive;
+  Frame frame(caster_,
+              shader_,
+              camera,
+              X_WC,
+              X_WP,
+              {options.linear ? &view.linear : nullptr,
+               options.image ? &view.image : nullptr,
+               &srgb_,
+               has_geometry || is_still || is_live});
   ForEachRow(camera.num_block_rows(), options_.num_threads, [&](int row) {
-    frame.TraceCentres(row, has_colour && !is_still ? &linear : nullptr);
+    frame.TraceCentres(row, has_colour && !is_still);
   });
-  if (options.image) view.image.create(size);
   ForEachRow(size.height, options_.num_threads, [&](int y) {
-    StoreGeometryRow(frame, shader_, y, &view);
-    if (!has_colour) return;
-    if (is_still) {
+    if (has_geometry) StoreGeometryRow(frame, shader_, y, &view);
+    if (has_colour && is_still) {
       const auto all = [](int, int) { return true; };
-      frame.Supersample(y, kStillOffsets, kStillScale, all, &linear);
-    } else if (options.quality == RenderQuality::kLive) {
+      frame.Supersample(y, kStillOffsets, kStillScale, all);
+    } else if (has_colour && is_live) {
       const auto edges = [&](int x, int row) { return frame.IsEdge(x, row); };
-      frame.Supersample(y, kLiveOffsets, kLiveScale, edges, &linear);
+      frame.Supersample(y, kLiveOffsets, kLiveScale, edges);
     }
-    if (options.image) StoreImageRow(linear, srgb_, y, &view.image);
   });
-  if (options.linear) view.linear = linear;
   return view;
 }
 

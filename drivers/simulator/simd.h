@@ -14,6 +14,16 @@ inline Float4 Broadcast(float value) {
   return Float4{value, value, value, value};
 }
 
+inline Float4 LoadFour(const float* from) {
+  Float4 four;
+  std::memcpy(&four, from, sizeof four);
+  return four;
+}
+
+inline void StoreFour(const Float4& four, float* to) {
+  std::memcpy(to, &four, sizeof four);
+}
+
 // Unlike std::floor no call of a library function, which SSE2 alone needs.
 // |value| < 2^31.
 inline int FloorToInt(float value) {

@@ -1,6 +1,7 @@
 #include "drivers/simulator/surface_shader.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace waymark {
@@ -8,6 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+
+// Along the longer axis of a pixel on its surface.
+constexpr int kMaxProbes = 8;
 
 // Row `row` of the maps: `value` at the corners, the same along the normal.
 void SetMap(const SceneMesh& mesh,
@@ -120,15 +124,11 @@ float ShadowOf(const PlacedMover& mover,
   const float nearness =
       1.0f - to_feet.head<2>().squaredNorm() / (reach * reach);
   if (nearness <= 0.0f) return 1.0f;
-  constexpr int kSpheres = 4;
   const float square_radius = mover.radius * mover.radius;
-  const float low = mover.radius;
-  const float step = std::max(0.0f, mover.height - 2.0f * mover.radius) /
-                     static_cast<float>(kSpheres - 1);
   float left = 1.0f;
-  for (int i = 0; i < kSpheres; ++i) {
+  for (int i = 0; i < SurfaceShader::kShadowSpheres; ++i) {
     Vector3f to_sphere = to_feet;
-    to_sphere.z() += low + static_cast<float>(i) * step;
+    to_sphere.z() += SurfaceShader::SphereHeight(mover, i);
     const float square = to_sphere.squaredNorm();
     const float along = n_W.dot(to_sphere);
     if (along <= 0.0f) continue;
@@ -147,7 +147,8 @@ Vector3f LaneOf(const float (&values)[3][RayPacket::kLanes], int lane) {
 SurfaceShader::SurfaceShader(const Scene& scene,
                              const SurfaceShaderOptions& options,
                              int num_threads)
-    : surfaces_(scene.surfaces),
+    : is_wide_(options.is_wide && HasWideShader()),
+      surfaces_(scene.surfaces),
       textures_(TexturesOf(scene)),
       is_emissive_(EmissiveOf(scene)),
       albedos_(MeansOf(textures_)),
@@ -238,19 +239,61 @@ void SurfaceShader::Shade(const RayFan& fan,
                           std::span<const PlacedMover> movers,
                           float footprint_scale,
                           Float4* colours) const {
+  const RayPacket& rays = fan.rays;
+  std::fill_n(colours, RayPacket::kLanes, Float4{});
+  std::uint32_t left = 0;
   for (int lane = 0; lane < RayPacket::kLanes; ++lane) {
-    const bool is_seen = (fan.rays.active >> lane & 1u) != 0 &&
-                         fan.rays.triangle[lane] != RayPacket::kNothing;
-    colours[lane] =
-        is_seen ? ShadeLane(fan, lane, movers, footprint_scale) : Float4{};
+    const bool is_seen = rays.triangle[lane] != RayPacket::kNothing;
+    left |= is_seen ? rays.active & 1u << lane : 0u;
   }
+  // Most packets meet one triangle or two.
+  for (int round = 0; is_wide_ && round < 3 && left != 0; ++round) {
+    const int first = std::countr_zero(left);
+    if (rays.mover[first] != RayPacket::kStatic) break;
+    std::uint32_t lanes = 0;
+    for (int lane = first; lane < RayPacket::kLanes; ++lane) {
+      const bool is_same = rays.triangle[lane] == rays.triangle[first] &&
+                           rays.mover[lane] == RayPacket::kStatic;
+      lanes |= is_same ? left & 1u << lane : 0u;
+    }
+    // A lane alone is as fast by itself, and so is a triangle without a map.
+    const ShadedTriangle& t =
+        triangle(RayPacket::kStatic, rays.triangle[first]);
+    const bool has_light = t.light.width > 0 || is_emissive_[t.material] != 0;
+    if ((lanes & (lanes - 1u)) == 0 || !has_light) break;
+    ShadeTogether(fan, lanes, movers, footprint_scale, colours);
+    left &= ~lanes;
+  }
+  for (; left != 0; left &= left - 1u) {
+    const int lane = std::countr_zero(left);
+    colours[lane] = ShadeLane(fan, lane, movers, footprint_scale);
+  }
+}
+
+void SurfaceShader::ShadeTogether(const RayFan& fan,
+                                  std::uint32_t lanes,
+                                  std::span<const PlacedMover> movers,
+                                  float footprint_scale,
+                                  Float4* colours) const {
+  const RayPacket& rays = fan.rays;
+  const ShadedTriangle& t =
+      triangle(RayPacket::kStatic, rays.triangle[std::countr_zero(lanes)]);
+  const bool is_lit = is_emissive_[t.material] == 0;
+  ShadeWide(fan,
+            {&t,
+             &textures_[t.material],
+             is_lit ? &light_map_ : nullptr,
+             movers,
+             kMaxProbes,
+             footprint_scale},
+            lanes,
+            colours);
 }
 
 Float4 SurfaceShader::ShadeLane(const RayFan& fan,
                                 int lane,
                                 std::span<const PlacedMover> movers,
                                 float footprint_scale) const {
-  constexpr int kMaxProbes = 8;
   const RayPacket& rays = fan.rays;
   const ShadedTriangle& t = triangle(rays.mover[lane], rays.triangle[lane]);
   Vector3f origin = LaneOf(rays.origin, lane);

@@ -11,8 +11,8 @@
 namespace waymark {
 namespace {
 
-constexpr std::uint32_t kFieldMask = 1023;  // 10 bits a channel.
-constexpr int kFieldBits = 10;
+constexpr int kFieldMask = TextureSampler::kFieldMask;
+constexpr int kFieldBits = TextureSampler::kFieldBits;
 
 std::uint32_t Pack(const cv::Vec3f& linear) {
   std::uint32_t packed = 0;
@@ -27,9 +27,11 @@ std::uint32_t Pack(const cv::Vec3f& linear) {
 
 inline Float4 Unpack(std::uint32_t packed) {
   const auto bits = static_cast<std::int32_t>(packed);
-  constexpr auto kField = static_cast<std::int32_t>(kFieldMask);
-  const Int4 fields = Int4{bits, bits, bits, bits} &
-                      Int4{kField, kField << 10, kField << 20, 0};
+  const Int4 fields =
+      Int4{bits, bits, bits, bits} & Int4{kFieldMask,
+                                          kFieldMask << kFieldBits,
+                                          kFieldMask << (2 * kFieldBits),
+                                          0};
   constexpr float kUnit = 1.0f / static_cast<float>(kFieldMask);
   constexpr float kUp10 = kUnit / 1024.0f;
   constexpr float kUp20 = kUp10 / 1024.0f;
@@ -65,6 +67,11 @@ cv::Mat3f Linear(const cv::Mat3b& image) {
 
 TextureSampler::TextureSampler(const cv::Mat3b& image) {
   if (image.empty()) throw std::invalid_argument("texture: it is empty");
+  // So that indices of texels fit into 31 bits, mip-maps included.
+  constexpr std::size_t kMostPixels = std::size_t{1} << 28;
+  if (image.total() > kMostPixels) {
+    throw std::invalid_argument("texture: it has more than 2^28 pixels");
+  }
   cv::Mat3f linear = Linear(image);
   AppendLevel(linear);
   while (linear.cols > 1 || linear.rows > 1) {
@@ -83,7 +90,10 @@ TextureSampler::TextureSampler(const cv::Mat3b& image) {
 }
 
 void TextureSampler::AppendLevel(const cv::Mat3f& linear) {
-  levels_.push_back({linear.cols, linear.rows, texels_.size()});
+  levels_.width[levels_.num] = linear.cols;
+  levels_.height[levels_.num] = linear.rows;
+  levels_.first[levels_.num] = static_cast<int>(texels_.size());
+  ++levels_.num;
   texels_.reserve(texels_.size() + linear.total());
   for (const cv::Vec3f& texel : linear) texels_.push_back(Pack(texel));
 }
@@ -92,26 +102,25 @@ std::size_t TextureSampler::num_bytes() const {
   return texels_.size() * sizeof(texels_[0]);
 }
 
-inline Float4 TextureSampler::Bilinear(const Level& level,
-                                       float u,
-                                       float v) const {
+inline Float4 TextureSampler::Bilinear(int level, float u, float v) const {
+  const int width = levels_.width[level];
+  const int height = levels_.height[level];
   // Texel centres are at half numbers; u and v are in [0, 1].
-  const float x = u * static_cast<float>(level.width) - 0.5f;
-  const float y = v * static_cast<float>(level.height) - 0.5f;
+  const float x = u * static_cast<float>(width) - 0.5f;
+  const float y = v * static_cast<float>(height) - 0.5f;
   int x0 = FloorToInt(x);
   int y0 = FloorToInt(y);
   const Float4 fx = Broadcast(x - static_cast<float>(x0));
   const Float4 fy = Broadcast(y - static_cast<float>(y0));
   int x1 = x0 + 1;
   int y1 = y0 + 1;
-  x0 = x0 < 0 ? level.width - 1 : std::min(x0, level.width - 1);
-  y0 = y0 < 0 ? level.height - 1 : std::min(y0, level.height - 1);
-  x1 = x1 >= level.width ? 0 : x1;
-  y1 = y1 >= level.height ? 0 : y1;
-  const std::uint32_t* top =
-      texels_.data() + level.first + std::size_t(y0) * std::size_t(level.width);
-  const std::uint32_t* bottom =
-      texels_.data() + level.first + std::size_t(y1) * std::size_t(level.width);
+  x0 = x0 < 0 ? width - 1 : std::min(x0, width - 1);
+  y0 = y0 < 0 ? height - 1 : std::min(y0, height - 1);
+  x1 = x1 >= width ? 0 : x1;
+  y1 = y1 >= height ? 0 : y1;
+  const std::uint32_t* first = texels_.data() + levels_.first[level];
+  const std::uint32_t* top = first + y0 * width;
+  const std::uint32_t* bottom = first + y1 * width;
   const Float4 a = Unpack(top[x0]);
   const Float4 b = Unpack(top[x1]);
   const Float4 c = Unpack(bottom[x0]);
@@ -124,19 +133,15 @@ inline Float4 TextureSampler::Bilinear(const Level& level,
 inline Float4 TextureSampler::Trilinear(float level, float u, float v) const {
   u = Fraction(u);
   v = Fraction(v);
-  if (level <= 0.0f) return Bilinear(levels_[0], u, v);
-  const auto last = levels_.size() - 1;
-  const auto finer = static_cast<std::size_t>(level);
-  if (finer >= last) return mean_;
-  // Near a level that level alone: half the work, and still no step between
-  // levels.
-  constexpr float kPure = 0.3f;
-  const float share =
-      (level - static_cast<float>(finer) - kPure) / (1.0f - 2.0f * kPure);
-  if (share <= 0.0f) return Bilinear(levels_[finer], u, v);
-  if (share >= 1.0f) return Bilinear(levels_[finer + 1], u, v);
-  const Float4 fine = Bilinear(levels_[finer], u, v);
-  const Float4 coarse = Bilinear(levels_[finer + 1], u, v);
+  if (level <= 0.0f) return Bilinear(0, u, v);
+  const auto finer = static_cast<int>(level);
+  if (finer >= levels_.num - 1) return mean_;
+  const float share = (level - static_cast<float>(finer) - kPureLevel) /
+                      (1.0f - 2.0f * kPureLevel);
+  if (share <= 0.0f) return Bilinear(finer, u, v);
+  if (share >= 1.0f) return Bilinear(finer + 1, u, v);
+  const Float4 fine = Bilinear(finer, u, v);
+  const Float4 coarse = Bilinear(finer + 1, u, v);
   return fine + Broadcast(share) * (coarse - fine);
 }
 
@@ -144,11 +149,11 @@ Float4 TextureSampler::Sample(float u,
                               float v,
                               const TextureFootprint& footprint,
                               int max_probes) const {
-  if (levels_.size() == 1) return mean_;
+  if (levels_.num == 1) return mean_;
   u = Bounded(u);
   v = Bounded(v);
-  const auto width = static_cast<float>(levels_[0].width);
-  const auto height = static_cast<float>(levels_[0].height);
+  const auto width = static_cast<float>(levels_.width[0]);
+  const auto height = static_cast<float>(levels_.height[0]);
   const float ux = footprint.du_dx * width;
   const float vx = footprint.dv_dx * height;
   const float uy = footprint.du_dy * width;
@@ -163,18 +168,16 @@ Float4 TextureSampler::Sample(float u,
   // The pixel's area over its length is its width, however it is skewed.
   const float area = std::abs(ux * vy - uy * vx);
   const float narrower = std::max(area * area / longer, 1.0f);  // Squared.
-  // Interpolation between texels spreads each probe over more than one of
-  // them: probes may stand farther apart than the pixel is wide.
-  constexpr float kSpacing = 1.5f;
   int num_probes = 1;
   while (num_probes < max_probes &&
-         longer > static_cast<float>(num_probes * num_probes) * kSpacing *
-                      kSpacing * narrower) {
+         longer > static_cast<float>(num_probes * num_probes) * kProbeSpacing *
+                      kProbeSpacing * narrower) {
     ++num_probes;
   }
   const float per_probe = 1.0f / static_cast<float>(num_probes);
   // Texels as wide as the pixel; wider only where the probes do not suffice.
-  const float spaced = longer * per_probe * per_probe / (kSpacing * kSpacing);
+  const float spaced =
+      longer * per_probe * per_probe / (kProbeSpacing * kProbeSpacing);
   const float level = 0.5f * RoughLog2(std::max(narrower, spaced));
   if (num_probes == 1) return Trilinear(level, u, v);
   const float step_u =

@@ -29,7 +29,8 @@ struct TextureFootprint {
 // of 8 bits: four bytes a texel, 5.3 with the mip-maps.
 class TextureSampler {
  public:
-  // 8-bit BGR, sRGB curve. Throws std::invalid_argument for an empty image.
+  // 8-bit BGR, sRGB curve. Throws std::invalid_argument for an empty image and
+  // for one of more than 2^28 pixels.
   explicit TextureSampler(const cv::Mat3b& image);
 
   // Linear BGR at (u, v) in repetitions, (0, 0) the corner of the top-left
@@ -43,18 +44,31 @@ class TextureSampler {
   [[nodiscard]] Float4 mean() const { return mean_; }
   [[nodiscard]] std::size_t num_bytes() const;
 
- private:
-  struct Level {
-    int width = 1;
-    int height = 1;
-    std::size_t first = 0;  // In texels_.
+  // For the form of Sample that takes eight places at once.
+  struct Levels {
+    static constexpr int kMost = 32;  // Of a texture 2^31 wide.
+    int num = 0;
+    int width[kMost]{};
+    int height[kMost]{};
+    int first[kMost]{};  // Of its texels.
   };
+  static constexpr int kFieldBits = 10;  // Of a channel in a texel.
+  static constexpr int kFieldMask = (1 << kFieldBits) - 1;
+  // Interpolation between texels spreads each probe over more than one of
+  // them: probes stand so much farther apart than the pixel is wide.
+  static constexpr float kProbeSpacing = 1.5f;
+  // So near a mip level that level alone counts: half the work, and still no
+  // step from level to level.
+  static constexpr float kPureLevel = 0.4f;
+  [[nodiscard]] const Levels& levels() const { return levels_; }
+  [[nodiscard]] const std::uint32_t* texels() const { return texels_.data(); }
 
+ private:
   void AppendLevel(const cv::Mat3f& linear);
-  [[nodiscard]] Float4 Bilinear(const Level& level, float u, float v) const;
+  [[nodiscard]] Float4 Bilinear(int level, float u, float v) const;
   [[nodiscard]] Float4 Trilinear(float level, float u, float v) const;
 
-  std::vector<Level> levels_;
+  Levels levels_;
   std::vector<std::uint32_t> texels_;
   Float4 mean_{};
 };

@@ -133,7 +133,9 @@ TEST(Renderer, DepthAndSurfaceAreThoseOfTheRoom) {
 // At flat angles, where the distance of a float intersection is worst.
 TEST(Renderer, DepthAlongALongFloorIsExact) {
   const Vector3d size(200.0, 200.0, 30.0);
-  const Renderer renderer(EmptyRoom(size, true), WithThreads(1));
+  RendererOptions options = WithThreads(1);
+  options.shader.light_map.cell_size = 20.0;
+  const Renderer renderer(EmptyRoom(size, true), options);
   const CameraView view = Perspective(200, 151);
   const Isometry3d X_WC = LookFrom({100.3, 99.1, 0.05}, 0.3, 0.0);
   const RenderedView seen =
@@ -158,7 +160,7 @@ std::vector<Isometry3d> PersonAt(double x, double y, double yaw) {
 
 TEST(Renderer, SameBytesForAnyNumberOfThreads) {
   const Scene scene = FurnishedCorridor();
-  const CameraRays camera(Perspective(83, 61));
+  const CameraRays camera(Perspective(63, 41));
   const Isometry3d X_WC = LookFrom({1.0, 0.8, 1.2}, 0.1, 0.1);
   const auto people = PersonAt(4.0, 1.0, 0.3);
   for (const RenderQuality quality :
@@ -180,6 +182,29 @@ TEST(Renderer, SameBytesForAnyNumberOfThreads) {
       EXPECT_TRUE(same(first.surface, other.surface));
       EXPECT_TRUE(same(first.floor, other.floor));
     }
+  }
+}
+
+// Eight pixels at once, with textures, shadows, lamps and a person in the
+// picture: as one by one.
+TEST(Renderer, WideShadingIsThatOfSinglePixels) {
+  const Scene scene = FurnishedCorridor();
+  RendererOptions options = WithThreads(1);
+  const Renderer wide(scene, options);
+  options.shader.is_wide = false;
+  const Renderer single(scene, options);
+  for (const CameraView& view : AllModels()) {
+    const CameraRays camera(view);
+    const Isometry3d X_WC = LookFrom({1.0, 0.8, 1.2}, 0.1, 0.1);
+    const auto people = PersonAt(3.0, 1.2, 0.3);
+    const RenderedView a = wide.Render(camera, X_WC, people, Everything());
+    const RenderedView b = single.Render(camera, X_WC, people, Everything());
+    EXPECT_LT(cv::norm(a.linear, b.linear, cv::NORM_INF), 2e-4);
+    EXPECT_LE(cv::norm(a.image, b.image, cv::NORM_INF), 1.0);
+    // Light within reach of the person is less.
+    const RenderedView alone =
+        wide.Render(camera, X_WC, PersonAt(-9.0, 1.0, 0.0), Everything());
+    EXPECT_LT(cv::sum(a.linear)[1], cv::sum(alone.linear)[1]);
   }
 }
 
