@@ -10,7 +10,7 @@ namespace waymark {
 
 struct CollisionGuardConfig {
   VelocityGuardOptions guard;
-  double request_timeout_s = 0.5;
+  double request_timeout_s = 0.25;
   std::string preferred_source = "teleop";
   std::string stop_file;
 

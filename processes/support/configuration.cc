@@ -109,8 +109,10 @@ void ApplySetting(std::string_view setting, const DescribeFunction& describe) {
   if (equals == std::string_view::npos || equals == 0) {
     throw InputError(source + ": must be key=value, group.key=value");
   }
+  // Nothing behind the sign is the empty text, which means 'none' to many keys.
+  const std::string value(setting.substr(equals + 1));
   YAML::Node node =
-      LoadYamlDocument(std::string(setting.substr(equals + 1)), source, false);
+      LoadYamlDocument(value.empty() ? "''" : value, source, false);
   std::string_view path = setting.substr(0, equals);
   while (!path.empty()) {
     const std::size_t dot = path.rfind('.');

@@ -29,7 +29,7 @@ void LoadConfigurationText(std::string_view yaml,
 void LoadConfigurationFile(const std::string& path,
                            const DescribeFunction& describe);
 
-// Sets one field from "a.b=value", value in YAML.
+// Sets one field from "a.b=value", value in YAML; "a.b=" is the empty text.
 void ApplySetting(std::string_view setting, const DescribeFunction& describe);
 
 // All values as YAML that loads back to the same values, bit for bit (angles in

@@ -221,6 +221,15 @@ TEST(Configuration, SettingsOverrideTheFile) {
   std::remove(path.c_str());
 }
 
+TEST(Configuration, SettingOfNothingIsTheEmptyText) {
+  ExampleConfig config;
+  config.name = "before";
+  LoadConfiguration("", {"name="}, &config);
+  EXPECT_EQ(config.name, "");
+  EXPECT_NE(SettingError("window_s=").find("must be a number in [0, 30]"),
+            std::string::npos);
+}
+
 TEST(Configuration, BadSettingIsOneLine) {
   EXPECT_EQ(SettingError("window_s"),
             "--set window_s: must be key=value, group.key=value");
