@@ -104,9 +104,12 @@ std::optional<BackProjection> FisheyeCamera::RayFromPixel(
     const Distance d = DistanceAt(angle, coefficients_);
     (d.value > wanted ? high : low) = angle;
     double next = angle - (d.value - wanted) / d.slope;
-    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-    if (std::abs(next - angle) <= 1e-16 * max_angle_) break;
+    const bool is_newton = next >= low && next <= high;
+    if (!is_newton) next = 0.5 * (low + high);
+    const double step = next - angle;
     angle = next;
+    // Newton's error after a step is about its square over the slope.
+    if (is_newton && step * step <= 1e-17 * d.slope) break;
   }
   const double scale = wanted > 0.0 ? std::sin(angle) / wanted : 1.0;
   const Eigen::Vector3d ray =
