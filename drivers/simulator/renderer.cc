@@ -39,15 +39,21 @@ constexpr std::array<Offset, 4> kLiveOffsets = {
 // Each of the four samples stands for a quarter of the pixel's area.
 constexpr float kLiveScale = 0.5f;
 
-constexpr int kStillGrid = 4;
-constexpr float kStillScale = 1.0f / static_cast<float>(kStillGrid);
+// Each of the sixteen stands for a sixteenth.
+constexpr float kStillScale = 0.25f;
 
+// One in each of 16 columns and 16 rows, the same both ways from the centre.
+// Of such patterns, found by search, the one whose worst direction of an edge
+// is the best: the share of a pixel on one side of it is off by 0.042 (root
+// mean square over where the edge lies). A grid of 4 x 4 has 0.072 for upright
+// and level edges, which rooms are full of.
 constexpr std::array<Offset, 16> kStillOffsets = [] {
+  constexpr std::array<int, 16> kRows{
+      13, 4, 9, 0, 5, 14, 8, 3, 12, 7, 1, 10, 15, 6, 11, 2};
   std::array<Offset, 16> offsets{};
   for (std::size_t i = 0; i < offsets.size(); ++i) {
-    offsets[i] = {
-        (static_cast<float>(i % kStillGrid) + 0.5f) / kStillGrid - 0.5f,
-        (static_cast<float>(i / kStillGrid) + 0.5f) / kStillGrid - 0.5f};
+    offsets[i] = {(static_cast<float>(i) + 0.5f) / 16.0f - 0.5f,
+                  (static_cast<float>(kRows[i]) + 0.5f) / 16.0f - 0.5f};
   }
   return offsets;
 }();

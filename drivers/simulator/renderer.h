@@ -28,7 +28,7 @@ enum class RenderQuality {
   kSingle,
   // As kSingle, and four samples for the pixels at an edge of a surface.
   kLive,
-  // 4 x 4 samples a pixel.
+  // Sixteen samples a pixel.
   kStill,
 };
 
