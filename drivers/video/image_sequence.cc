@@ -1,6 +1,7 @@
 #include "drivers/video/image_sequence.h"
 
 #include "drivers/video/jpeg_size.h"
+#include "drivers/video/quiet_opencv.h"
 #include "estimation/base/input_error.h"
 
 #include <glob.h>
@@ -223,6 +224,7 @@ std::optional<cv::Mat> ImageSequence::Read(std::string* error) {
     *error = path + ": " + reason;
     return std::nullopt;
   }
+  const QuietOpenCv quiet;
   cv::Mat image;
   try {
     if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
