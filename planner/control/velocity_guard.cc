@@ -134,7 +134,7 @@ AllowedVelocity VelocityGuard::Allow(Time now, const Velocity& asked) {
                 asked.forward,
                 asked.turn_rate);
   Rewind(now);
-  const AllowedVelocity allowed =
+  AllowedVelocity allowed =
       Check(now, Limit(asked, options_.max_speed, options_.max_turn_rate));
   Record(now, allowed.velocity);
   if (allowed.reason.empty() && allowed.velocity != asked) {

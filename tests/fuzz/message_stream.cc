@@ -3,6 +3,7 @@
 #include "processes/support/channels.h"
 #include "processes/support/log_file.h"
 
+#include <waymark/base_status_t.hpp>
 #include <waymark/config_t.hpp>
 #include <waymark/encoders_t.hpp>
 #include <waymark/initial_pose_t.hpp>
@@ -12,7 +13,10 @@
 #include <waymark/position_fix_t.hpp>
 #include <waymark/relative_motion_t.hpp>
 #include <waymark/status_t.hpp>
+#include <waymark/stop_t.hpp>
+#include <waymark/task_t.hpp>
 #include <waymark/truth_t.hpp>
+#include <waymark/velocity_t.hpp>
 
 #include <algorithm>
 #include <array>
@@ -29,8 +33,8 @@ struct Channel {
   std::int64_t fingerprint;
 };
 
-const std::array<Channel, 12>& Channels() {
-  static const std::array<Channel, 12> kChannels = {{
+const std::array<Channel, 17>& Channels() {
+  static const std::array<Channel, 17> kChannels = {{
       {kEncoders, encoders_t::getHash()},
       {kPositionFix, position_fix_t::getHash()},
       {kRelativeMotion, relative_motion_t::getHash()},
@@ -43,6 +47,11 @@ const std::array<Channel, 12>& Channels() {
       {kStatus, status_t::getHash()},
       {kConfig, config_t::getHash()},
       {kRanges, planar_lidar_t::getHash()},
+      {kTask, task_t::getHash()},
+      {kMotionRequest, velocity_t::getHash()},
+      {kMotionCommand, velocity_t::getHash()},
+      {kStop, stop_t::getHash()},
+      {kBase, base_status_t::getHash()},
   }};
   return kChannels;
 }
@@ -184,6 +193,51 @@ std::vector<std::string> StreamSeeds() {
   config.yaml = "window_s: 2";
   Add(kConfig, config, &drive);
   return {ticks, drive};
+}
+
+std::string MotionStreamSeed() {
+  std::string stream;
+  task_t task;
+  task.utime = kStart;
+  task.source = "person";
+  task.kind = "waypoints";
+  task.num_waypoints = 2;
+  task.waypoints.resize(2);
+  task.waypoints[0].x = 0.3;
+  task.waypoints[1].x = 0.3;
+  task.waypoints[1].y = 0.2;
+  task.waypoints[1].has_heading = 1;
+  Add(kTask, task, &stream);
+  for (int step = 1; step < 12; ++step) {
+    planar_lidar_t ranges;
+    ranges.utime = kStart + 100'000 * step;
+    ranges.nranges = 8;
+    ranges.ranges.assign(8, 1.0f);
+    ranges.nintensities = 0;
+    ranges.radstep = 0.785f;
+    Add(kRanges, ranges, &stream);
+    pose_t pose;
+    pose.utime = ranges.utime;
+    pose.is_known = 1;
+    pose.pose_W[0] = 0.03 * step;
+    Add(kPose, pose, &stream);
+    velocity_t request;
+    request.utime = ranges.utime + 1;
+    request.source = "person";
+    request.forward = 0.2;
+    request.turn_rate = 0.1;
+    Add(kMotionRequest, request, &stream);
+    stop_t stop;
+    stop.utime = ranges.utime + 2;
+    stop.source = "person";
+    stop.is_stopped = step == 5 ? 1 : 0;
+    if (step == 5 || step == 7) Add(kStop, stop, &stream);
+    base_status_t base;
+    base.utime = ranges.utime + 3;
+    base.is_bumper_left = step == 9 ? 1 : 0;
+    Add(kBase, base, &stream);
+  }
+  return stream;
 }
 
 }  // namespace waymark::fuzz

@@ -35,4 +35,7 @@ std::int64_t WriteStreamLog(Bytes data, const std::string& path);
 // A short drive: parameters, start, ticks, fixes, reference, estimates.
 std::vector<std::string> StreamSeeds();
 
+// A task that is driven, with ranges, a bump, a stop and letting go.
+std::string MotionStreamSeed();
+
 }  // namespace waymark::fuzz

@@ -1,0 +1,357 @@
+#include "processes/tools/task/task_tool.h"
+
+#include "estimation/base/input_error.h"
+#include "estimation/geometry/angle.h"
+#include "processes/convert/task_convert.h"
+#include "processes/support/channels.h"
+#include "processes/support/decode.h"
+#include "processes/support/lcm_url.h"
+#include "processes/support/run_tool.h"
+
+#include <waymark/stop_t.hpp>
+#include <waymark/task_status_t.hpp>
+#include <waymark/task_t.hpp>
+#include <waymark/velocity_t.hpp>
+
+#include <CLI/CLI.hpp>
+#include <lcm/lcm-cpp.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr char kName[] = "waymark-task";
+// What may have been lost, or come before its receiver, is sent again.
+constexpr milliseconds kRepeat{500};
+constexpr milliseconds kLook{50};  // How late an answer may be seen.
+// A line at least so often while the robot drives.
+constexpr milliseconds kLinePeriod{2000};
+// A follower that was restarted is idle until its first pose.
+constexpr milliseconds kIdleFor{2000};
+
+struct TaskOptions {
+  std::string url;
+  double timeout_s = 5.0;
+  std::vector<std::string> places;
+  double speed = 0.0;
+  bool follow = false;
+};
+
+std::int64_t WallUtime() {
+  return std::chrono::duration_cast<Duration>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// "x,y" or "x,y,heading in degrees".
+Waypoint WaypointFromText(const std::string& text) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  bool is_good = true;
+  while (is_good) {
+    double value = 0.0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    // Beyond this nothing is a place in a building.
+    is_good = error == std::errc() && std::abs(value) <= 1e6;
+    numbers.push_back(value);
+    at = next;
+    if (at == end || *at != ',') break;
+    ++at;
+  }
+  if (!is_good || at != end || numbers.size() < 2 || numbers.size() > 3) {
+    throw InputError("'" + text +
+                     "' is no place: x,y or x,y,heading (m, m, deg), each "
+                     "within +-1e6");
+  }
+  Waypoint waypoint{{numbers[0], numbers[1]}, {}};
+  if (numbers.size() == 3) {
+    waypoint.heading = WrapAngle(RadiansFromDegrees(numbers[2]));
+  }
+  return waypoint;
+}
+
+// Text from the bus on a terminal.
+std::string Printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+// Sends something until it is answered, and listens.
+class Talk {
+ public:
+  explicit Talk(const TaskOptions& options) : timeout_s_(options.timeout_s) {
+    const std::string url = LcmUrl(options.url);
+    CheckLcmReachable(url);
+    lcm_ = std::make_unique<lcm::LCM>(url);
+    if (!lcm_->good()) throw InputError("LCM cannot be created with " + url);
+  }
+
+  template <typename M>
+  void Listen(std::string_view channel, std::function<void(const M&)> handler) {
+    handlers_.push_back([handler](std::span<const std::uint8_t> data) {
+      if (const auto message = DecodeMessage<M>(data)) handler(*message);
+    });
+    lcm_->subscribe(std::string(channel), &Talk::OnMessage, this);
+    channels_.emplace_back(channel);
+  }
+
+  template <typename M>
+  void Send(std::string_view channel, const M& message) {
+    lcm_->publish(std::string(channel), &message);
+  }
+
+  // Handles what comes for a moment.
+  void Look() {
+    if (lcm_->handleTimeout(static_cast<int>(kLook.count())) < 0) {
+      throw std::runtime_error("LCM stopped working");
+    }
+  }
+
+  // Sends again and again until `is_answered`; false once the time has passed.
+  template <typename M>
+  bool SendUntil(std::string_view channel,
+                 const M& message,
+                 const std::function<bool()>& is_answered) {
+    const auto end =
+        Steady::now() + std::chrono::duration_cast<Steady::duration>(
+                            std::chrono::duration<double>(timeout_s_));
+    Steady::time_point next = Steady::now();
+    while (!is_answered()) {
+      if (Steady::now() >= end) return false;
+      if (Steady::now() >= next) {
+        Send(channel, message);
+        next = Steady::now() + kRepeat;
+      }
+      Look();
+    }
+    return true;
+  }
+
+ private:
+  void OnMessage(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      if (channels_[i] != channel) continue;
+      handlers_[i](
+          {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
+    }
+  }
+
+  double timeout_s_;
+  std::unique_ptr<lcm::LCM> lcm_;
+  std::vector<std::string> channels_;
+  std::vector<std::function<void(std::span<const std::uint8_t>)>> handlers_;
+};
+
+int Complain(const std::string& text) {
+  std::fprintf(stderr, "%s: %s\n", kName, text.c_str());
+  return 1;
+}
+
+// What is known of one task.
+class Progress {
+ public:
+  explicit Progress(std::int64_t task_utime) : task_utime_(task_utime) {}
+
+  void OnStatus(const task_status_t& status) {
+    if (status.task_utime == task_utime_) {
+      status_ = status;
+      heard_ = Steady::now();
+    } else if (status_ && status.source == status_->source &&
+               Steady::now() - heard_ > kIdleFor) {
+      is_given_up_ = true;
+    }
+  }
+  [[nodiscard]] bool is_taken() const { return status_.has_value(); }
+  [[nodiscard]] bool is_given_up() const { return is_given_up_; }
+  [[nodiscard]] const task_status_t& status() const { return *status_; }
+  [[nodiscard]] Steady::duration silence() const {
+    return Steady::now() - heard_;
+  }
+
+  // A line where there is news.
+  void Show() {
+    const std::string news = status_->state + status_->reason.substr(0, 8) +
+                             std::to_string(status_->num_reached);
+    if (news == shown_ && Steady::now() - shown_at_ < kLinePeriod) return;
+    shown_ = news;
+    shown_at_ = Steady::now();
+    std::printf("%s: %d of %d way-points, %.1f m left%s%s\n",
+                Printable(status_->state).c_str(),
+                status_->num_reached,
+                status_->num_waypoints,
+                status_->distance_left,
+                status_->reason.empty() ? "" : ", ",
+                Printable(status_->reason).c_str());
+    std::fflush(stdout);
+  }
+
+ private:
+  std::int64_t task_utime_;
+  std::optional<task_status_t> status_;
+  Steady::time_point heard_;
+  bool is_given_up_ = false;
+  std::string shown_;
+  Steady::time_point shown_at_;
+};
+
+int SendTask(const std::string& kind, const TaskOptions& options) {
+  Task task;
+  task.time = TimeFromMicroseconds(WallUtime());
+  task.source = kName;
+  task.kind = kind;
+  task.max_speed = options.speed;
+  for (const std::string& place : options.places) {
+    task.waypoints.push_back(WaypointFromText(place));
+  }
+  Talk talk(options);
+  Progress progress(Microseconds(task.time));
+  talk.Listen<task_status_t>(
+      kTaskStatus, [&](const task_status_t& m) { progress.OnStatus(m); });
+  if (!talk.SendUntil(
+          kTask, ToMessage(task, 0), [&] { return progress.is_taken(); })) {
+    return Complain(
+        "nobody has taken the task: does " +
+        std::string(kind == "tour" ? "tour_driver" : "path_follower") +
+        " run, and has it a pose?");
+  }
+  progress.Show();
+  if (!options.follow) return 0;
+  while (true) {
+    talk.Look();
+    progress.Show();
+    if (progress.status().state == "done") return 0;
+    if (progress.status().state == "failed") {
+      return Complain("failed: " + Printable(progress.status().reason));
+    }
+    if (progress.is_given_up()) return Complain("the task was given up");
+    if (progress.silence() > std::chrono::duration<double>(options.timeout_s)) {
+      return Complain("no TASK_STATUS any longer");
+    }
+  }
+}
+
+int Cancel(const TaskOptions& options) {
+  Task task;
+  task.time = TimeFromMicroseconds(WallUtime());
+  task.source = kName;
+  task.kind = "none";
+  Talk talk(options);
+  // Who says what since it was sent; 0: nothing is under way.
+  std::map<std::string, std::int64_t> tasks;
+  talk.Listen<task_status_t>(kTaskStatus, [&](const task_status_t& m) {
+    tasks[m.source] = m.task_utime;
+  });
+  talk.Send(kTask, ToMessage(task, 0));
+  const auto sent = Steady::now();
+  const auto is_answered = [&] {
+    return Steady::now() - sent > kRepeat && !tasks.empty() &&
+           std::all_of(tasks.begin(), tasks.end(), [](const auto& entry) {
+             return entry.second == 0;
+           });
+  };
+  if (talk.SendUntil(kTask, ToMessage(task, 0), is_answered)) return 0;
+  return Complain("nobody has answered; it was sent all the same");
+}
+
+int SendStop(bool is_stopped, const TaskOptions& options) {
+  stop_t stop;
+  stop.utime = WallUtime();
+  stop.source = kName;
+  stop.is_stopped = is_stopped ? 1 : 0;
+  Talk talk(options);
+  bool is_answered = false;
+  talk.Listen<velocity_t>(kMotionCommand, [&](const velocity_t& m) {
+    const bool says_stopped = m.reason.rfind("stopped", 0) == 0;
+    is_answered = says_stopped == is_stopped;
+  });
+  // The first one goes out before any answer counts.
+  talk.Send(kStop, stop);
+  if (talk.SendUntil(kStop, stop, [&] { return is_answered; })) {
+    std::printf("%s\n", is_stopped ? "stopped" : "let go");
+    return 0;
+  }
+  return Complain("collision_guard has not answered; it was sent all the same");
+}
+
+void AddCommonOptions(CLI::App* command, TaskOptions* options) {
+  command->add_option(
+      "--lcm-url", options->url, "LCM network (else LCM_DEFAULT_URL)");
+  RequireRange(command->add_option("--timeout",
+                                   options->timeout_s,
+                                   "Give up after so long without answer, s"),
+               0.0,
+               1e6)
+      ->capture_default_str();
+}
+
+}  // namespace
+
+int RunTaskTool(int argc, char** argv) {
+  const auto options = std::make_shared<TaskOptions>();
+  return RunTool(
+      argc,
+      argv,
+      kName,
+      "Tells a robot what to do.",
+      [options](CLI::App* app, int* exit_code) {
+        app->require_subcommand(1);
+        const auto add = [&](const char* name,
+                             const char* help,
+                             const std::function<int()>& run) {
+          CLI::App* command = app->add_subcommand(name, help);
+          AddCommonOptions(command, options.get());
+          command->callback([run, exit_code] { *exit_code = run(); });
+          return command;
+        };
+        const auto add_drive = [&](const char* name, const char* help) {
+          CLI::App* command = add(name, help, [options, kind = name] {
+            return SendTask(kind, *options);
+          });
+          command
+              ->add_option("PLACE",
+                           options->places,
+                           "X,Y or X,Y,HEADING in m, m and degrees")
+              ->required();
+          RequireRange(
+              command->add_option(
+                  "--speed", options->speed, "At most, m/s (0: its own)"),
+              0.0,
+              100.0);
+          command->add_flag("--follow",
+                            options->follow,
+                            "Show its progress until it is done");
+        };
+        add_drive("waypoints", "Drives to places in order, on POSE");
+        add_drive("tour", "The same on TRUTH, for teaching");
+        add("cancel", "Gives up what is under way", [options] {
+          return Cancel(*options);
+        });
+        add("stop", "Stops the robot until someone lets go", [options] {
+          return SendStop(true, *options);
+        });
+        add("go", "Lets go of a stop", [options] {
+          return SendStop(false, *options);
+        });
+      });
+}
+
+}  // namespace waymark
