@@ -1,8 +1,10 @@
 #include "drivers/simulator/build_rooms.h"
 
 #include "drivers/simulator/mesh_builder.h"
+#include "estimation/base/input_error.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -80,6 +82,16 @@ class RoomBuilder {
       cuts.pop_back();  // The next wall's first corner.
       for (const double cut : cuts) outline.push_back(frame.At(cut));
     }
+    try {
+      AddAreas(room, outline);
+    } catch (const std::invalid_argument&) {
+      // Thinner than ResolveLayout() sees.
+      throw InputError(room.where + ": outline: encloses no area");
+    }
+  }
+
+  void AddAreas(const WorldRoom& room,
+                const std::vector<Eigen::Vector2d>& outline) {
     MeshBuilder floor(
         &scene_.mesh,
         AddSurface(room.name + " floor", SurfaceKind::kFloor, &scene_));

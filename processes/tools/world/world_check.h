@@ -45,7 +45,7 @@ struct WorldCheckOptions {
   int num_headings = 4;        // At each start and place.
   int num_threads = 1;
   // Of the light map, m: coarse, since only how bright a view is counts.
-  double light_cell_size = 0.5;
+  double light_cell_size = 1.0;
 };
 
 // Views from all starts and places of a world, one result each, in order.

@@ -1,16 +1,21 @@
 #include "drivers/simulator/build_scene.h"
 
 #include "drivers/simulator/build_furniture.h"
+#include "drivers/simulator/walk_area.h"
 #include "estimation/base/input_error.h"
+#include "tests/support/temporary_directory.h"
 #include "tests/support/test_worlds.h"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 namespace waymark {
@@ -268,6 +273,62 @@ TEST(BuildScene, SameWorldSameScene) {
                            texture.end(),
                            b.materials[i].texture.begin(),
                            b.materials[i].texture.end()));
+  }
+}
+
+TEST(BuildScene, FloorPlansBecomeWalls) {
+  const TemporaryDirectory folder;
+  // 6 x 4 m with a wall of 0.5 m around and a pillar of 1 m in the middle.
+  cv::Mat1b image(40, 60, std::uint8_t{0});
+  image(cv::Rect(5, 5, 50, 30)) = 255;
+  image(cv::Rect(25, 15, 10, 10)) = 0;
+  ASSERT_TRUE(cv::imwrite(folder / "plan.png", image));
+  World world;
+  WorldFloorPlan plan;
+  plan.image = folder / "plan.png";
+  plan.metres_per_pixel = 0.1;
+  plan.at << 10.0, 20.0;
+  plan.height = 2.5;
+  world.floor_plans = {plan};
+  const Scene scene = BuildScene(world);
+  EXPECT_NEAR(AreaOf(scene, SurfaceKind::kFloor), 6.0 * 4.0, 1e-3);
+  // The outside of the wall counts as well.
+  const double inside = 2 * (5.0 + 3.0) * 2.5 + 4 * 1.0 * 2.5;
+  const double outside = 2 * (6.0 + 4.0) * 2.5;
+  EXPECT_NEAR(AreaOf(scene, SurfaceKind::kWall), inside + outside, 0.05);
+  const WalkArea area(world);
+  EXPECT_NEAR(area.Clearance({11.5, 22.0}), 1.0, 0.02);
+  EXPECT_LT(area.Clearance({13.0, 22.0}), 0.0);  // In the pillar.
+  EXPECT_LT(area.Clearance({10.2, 22.0}), 0.0);  // In the wall.
+  EXPECT_LT(area.Clearance({9.0, 22.0}), 0.0);   // Outside.
+}
+
+TEST(BuildScene, ModelsAreScaledTurnedAndPlaced) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "t.obj") << "v 1 0 0\nv 2 0 0\nv 1 3 0\nf 1 2 3\n";
+  World world;
+  WorldModel model;
+  model.file = folder / "t.obj";
+  model.scale = 0.5;
+  model.at << 5.0, 6.0, 1.0;
+  model.heading = std::numbers::pi / 2.0;
+  world.models = {model};
+  const Scene scene = BuildScene(world);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& p : scene.mesh.positions) {
+    box.extend(p.cast<double>());
+  }
+  // The file's y is up; its x turns to W's y.
+  EXPECT_TRUE(box.min().isApprox(Eigen::Vector3d(5.0, 6.5, 1.0), 1e-5));
+  EXPECT_TRUE(box.max().isApprox(Eigen::Vector3d(5.0, 7.0, 2.5), 1e-5));
+  world.models[0].where = "w.yaml:2: models[0]";
+  world.models[0].file = folder / "none.obj";
+  try {
+    (void)BuildScene(world);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::StartsWith("w.yaml:2: models[0]: file: "));
   }
 }
 
