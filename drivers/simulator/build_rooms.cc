@@ -2,6 +2,7 @@
 
 #include "drivers/simulator/mesh_builder.h"
 #include "estimation/base/input_error.h"
+#include "estimation/base/random.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -340,23 +341,41 @@ class RoomBuilder {
                     faces);
   }
 
+  // Papers hang on doors that are drawn, others on each of their faces.
+  Finish LeafFinish(const Passage& passage,
+                    const Eigen::Vector3d& size,
+                    bool has_handle_left) {
+    const WorldDoor& door = *passage.door;
+    WorldLook look = finishes_.LookOf(door.leaf, door.opening.where, "leaf");
+    if (!look.image.empty() || look.pattern.kind != PatternKind::kDoor) {
+      Finish finish = finishes_.Get(door.leaf, door.opening.where, "leaf");
+      finish.is_mirrored = has_handle_left;
+      return finish;
+    }
+    look.pattern.size = {size.x(), size.z()};
+    look.pattern.has_handle_left = has_handle_left;
+    Random random(world_.seed * 4096 +
+                  static_cast<std::uint64_t>(2 * passage.hole.passage) +
+                  (has_handle_left ? 1 : 0));
+    look.pattern.notices = random.Bits() | 1u;
+    return finishes_.Make(look, door.leaf, door.opening.where);
+  }
+
   void AddLeaf(const Passage& passage, const std::string& name) {
     const WorldDoor& door = *passage.door;
-    const Finish finish = finishes_.Get(door.leaf, door.opening.where, "leaf");
     MeshBuilder builder(&scene_.mesh,
                         AddSurface(name, SurfaceKind::kDoor, &scene_));
-    Finish mirrored = finish;
-    mirrored.is_mirrored = true;
     const DoorLeaf leaf = LeafOf(world_, passage);
     // An open leaf clears floor and jambs; a shut one leaves no slit.
     const double gap = door.angle == 0.0 ? 0.0 : kLeafGap;
     const Eigen::Vector3d low(gap, leaf.low, gap);
     const Eigen::Vector3d high(
         leaf.width - gap, leaf.high, passage.hole.height - gap);
-    // Handles are at the right of the pattern, which is the end away from the
-    // hinge on the face at -y.
-    builder.AddBox(leaf.X_WD, low, high, finish, kRight);
-    builder.AddBox(leaf.X_WD, low, high, mirrored, kLeft);
+    // The handle is away from the hinge, which is right on the face at -y.
+    builder.AddBox(
+        leaf.X_WD, low, high, LeafFinish(passage, high, false), kRight);
+    builder.AddBox(
+        leaf.X_WD, low, high, LeafFinish(passage, high, true), kLeft);
     builder.AddBox(leaf.X_WD,
                    low,
                    high,

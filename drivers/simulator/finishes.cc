@@ -89,32 +89,40 @@ Finish Finishes::Make(const WorldLook& look,
   }
 }
 
+WorldLook Finishes::LookOf(const std::string& name,
+                           const std::string& where,
+                           const std::string& key) const {
+  const auto own = std::find_if(
+      world_.materials.begin(),
+      world_.materials.end(),
+      [&](const WorldMaterial& material) { return material.name == name; });
+  if (own != world_.materials.end()) return own->look;
+  WorldLook look;
+  if (const auto built_in = BuiltInFinish(name)) {
+    look.pattern = *built_in;
+    return look;
+  }
+  std::string known;
+  for (const WorldMaterial& m : world_.materials) known += m.name + ", ";
+  for (const std::string& b : BuiltInFinishNames()) known += b + ", ";
+  known.resize(known.size() - 2);
+  throw InputError(where + ": " + key + " = " + name +
+                   ": must be one of: " + known);
+}
+
 Finish Finishes::Get(const std::string& name,
                      const std::string& where,
                      const std::string& key) {
   if (const auto found = made_.find(name); found != made_.end()) {
     return found->second;
   }
-  WorldLook look;
-  std::string origin = where;
+  const WorldLook look = LookOf(name, where, key);
   const auto own = std::find_if(
       world_.materials.begin(),
       world_.materials.end(),
       [&](const WorldMaterial& material) { return material.name == name; });
-  if (own != world_.materials.end()) {
-    look = own->look;
-    origin = own->where;
-  } else if (const auto built_in = BuiltInFinish(name)) {
-    look.pattern = *built_in;
-  } else {
-    std::string known;
-    for (const WorldMaterial& m : world_.materials) known += m.name + ", ";
-    for (const std::string& b : BuiltInFinishNames()) known += b + ", ";
-    known.resize(known.size() - 2);
-    throw InputError(where + ": " + key + " = " + name +
-                     ": must be one of: " + known);
-  }
-  return made_[name] = Make(look, name, origin);
+  return made_[name] = Make(
+             look, name, own == world_.materials.end() ? where : own->where);
 }
 
 Finish Finishes::Plain(const cv::Vec3b& color) {

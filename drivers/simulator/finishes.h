@@ -29,6 +29,10 @@ class Finishes {
   Finish Get(const std::string& name,
              const std::string& where,
              const std::string& key);
+  // The look behind a name; throws as Get() does.
+  [[nodiscard]] WorldLook LookOf(const std::string& name,
+                                 const std::string& where,
+                                 const std::string& key) const;
   // Of one object alone.
   Finish Make(const WorldLook& look,
               const std::string& name,

@@ -140,6 +140,9 @@ void PatternOptions::Check() const {
       kind != PatternKind::kPicture) {
     Refuse(*this, "takes no text");
   }
+  if (kind != PatternKind::kDoor && (notices != 0 || has_handle_left)) {
+    Refuse(*this, "only doors have notices and handles");
+  }
   for (const char c : text) {
     const bool is_printable = c >= ' ' && c <= '~';
     if (!is_printable && !(c == '\n' && kind == PatternKind::kSign)) {
@@ -157,7 +160,14 @@ PatternTexture MakePattern(const PatternOptions& options) {
   const double density = DensityOf(options);
   switch (options.kind) {
     case PatternKind::kDoor:
-      PaintDoor(options.color, density, options.seed, &texture.image);
+      PaintDoor(options.color,
+                density,
+                options.seed,
+                options.has_handle_left,
+                &texture.image);
+      if (options.notices != 0) {
+        PaintNotices(density, options.notices, &texture.image);
+      }
       break;
     case PatternKind::kNoticeboard:
       PaintNoticeboard(options.color, density, options.seed, &texture.image);

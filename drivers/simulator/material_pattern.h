@@ -52,6 +52,10 @@ struct PatternOptions {
   // kSign: its lines, split at '\n'; kPicture: a title below; others: none.
   std::string text;
   std::uint64_t seed = 1;
+  // kDoor only: which papers hang on it, 0 for none; and where its handle is,
+  // as one looks at it.
+  std::uint64_t notices = 0;
+  bool has_handle_left = false;
 
   // Throws std::invalid_argument naming the first field out of range.
   void Check() const;

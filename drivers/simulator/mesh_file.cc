@@ -5,6 +5,7 @@
 #include "estimation/base/check.h"
 #include "estimation/base/input_error.h"
 
+#include <assimp/BaseImporter.h>
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
@@ -98,7 +99,10 @@ void DropOtherImporters(Assimp::Importer* importer) {
       others.push_back(importer->GetImporter(i));
     }
   }
-  for (Assimp::BaseImporter* other : others) importer->UnregisterLoader(other);
+  for (Assimp::BaseImporter* other : others) {
+    importer->UnregisterLoader(other);  // And no longer owned.
+    delete other;
+  }
 }
 
 // ---- materials -------------------------------------------------------------

@@ -151,27 +151,36 @@ void PaintNoticeboard(const std::optional<cv::Vec3b>& frame,
       FractalNoise(size, size.width / 12 + 1, size.height / 12 + 1, 3, &random),
       is_cork ? 0.3f : 0.08f,
       image);
-  // Papers in cells of about A4's length, each turned and moved a little.
+  // Papers in cells of about A4's length, each turned and moved a little; only
+  // large boards have gaps. Then more over the gaps between them.
   const float cell = 0.27f * metre;
   const int columns = std::max(1, static_cast<int>(canvas.width() / cell));
   const int rows = std::max(1, static_cast<int>(canvas.height() / cell));
+  const auto pin = [&](float column, float row, float spread) {
+    const Eigen::Vector2f middle(
+        canvas.width() * (column + Between(&random, -spread, spread)) /
+            static_cast<float>(columns),
+        canvas.height() * (row + Between(&random, -spread, spread)) /
+            static_cast<float>(rows));
+    const cv::Mat3b paper = MakePaper(metre, &random);
+    canvas.Paste(paper, middle, Between(&random, -0.09f, 0.09f));
+    const float above = 0.44f * static_cast<float>(paper.rows);
+    canvas.Disc(middle - Eigen::Vector2f(0.0f, above),
+                0.006f * metre,
+                ColorOfHue(random.Uniform(), 0.9, 0.75));
+  };
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      if (random.Index(8) == 0) continue;
-      const Eigen::Vector2f middle(
-          canvas.width() *
-              (static_cast<float>(column) + Between(&random, 0.35f, 0.65f)) /
-              static_cast<float>(columns),
-          canvas.height() *
-              (static_cast<float>(row) + Between(&random, 0.38f, 0.62f)) /
-              static_cast<float>(rows));
-      const cv::Mat3b paper = MakePaper(metre, &random);
-      canvas.Paste(paper, middle, Between(&random, -0.09f, 0.09f));
-      canvas.Disc(middle - Eigen::Vector2f(
-                               0.0f, 0.44f * static_cast<float>(paper.rows)),
-                  0.006f * metre,
-                  ColorOfHue(random.Uniform(), 0.9, 0.75));
+      if (columns * rows > 6 && random.Index(10) == 0) continue;
+      pin(static_cast<float>(column) + 0.5f,
+          static_cast<float>(row) + 0.5f,
+          0.1f);
     }
+  }
+  for (int i = 0; i < 1 + columns * rows / 3; ++i) {
+    pin(static_cast<float>(random.Uniform(0.3, columns - 0.3)),
+        static_cast<float>(random.Uniform(0.3, rows - 0.3)),
+        0.0f);
   }
   const cv::Vec3f wood = frame ? cv::Vec3f(*frame) : cv::Vec3f(120, 165, 190);
   canvas.Border(0.03f * metre, wood);
@@ -214,6 +223,7 @@ void PaintSign(const std::optional<cv::Vec3b>& plate,
 void PaintDoor(const std::optional<cv::Vec3b>& wood,
                double pixels_per_metre,
                std::uint64_t seed,
+               bool has_handle_left,
                cv::Mat3b* image) {
   Random random(seed);
   Canvas canvas(*image);
@@ -223,7 +233,7 @@ void PaintDoor(const std::optional<cv::Vec3b>& wood,
   const cv::Vec3f color = wood ? cv::Vec3f(*wood) : cv::Vec3f(108, 150, 184);
   canvas.Fill(color);
   const cv::Size size = image->size();
-  Tone(FractalNoise(size, size.width / 8 + 1, 4, 3, &random), 0.13f, image);
+  Tone(FractalNoise(size, size.width / 8 + 1, 4, 4, &random), 0.13f, image);
   // One panel, two or three, with a bevel lit from above.
   const int panels = 1 + static_cast<int>(random.Index(3));
   const float stile = 0.14f * w;
@@ -238,18 +248,52 @@ void PaintDoor(const std::optional<cv::Vec3b>& wood,
     canvas.Box(stile + wide - bevel, top, bevel, tall, color * 1.12f);
   }
   // The handle, 1.05 m above the floor: a plate, a lever, a keyhole.
-  const float x = w - 0.07f * metre;
+  const float side = has_handle_left ? -1.0f : 1.0f;
+  const float x = has_handle_left ? 0.07f * metre : w - 0.07f * metre;
   const float y = h - 1.05f * metre;
   const cv::Vec3f steel(150, 150, 150);
   canvas.Box(
       x - 0.02f * metre, y - 0.05f * metre, 0.04f * metre, 0.2f * metre, steel);
-  canvas.Box(x - 0.12f * metre,
-             y - 0.01f * metre,
-             0.13f * metre,
-             0.02f * metre,
-             steel * 1.35f);
+  canvas.Stroke({x + side * 0.01f * metre, y},
+                {x - side * 0.12f * metre, y},
+                0.02f * metre,
+                steel * 1.35f);
   canvas.Disc({x, y + 0.09f * metre}, 0.008f * metre, {30, 30, 30});
   canvas.Border(std::max(1.0f, 0.004f * metre), color * 0.45f);
+}
+
+void PaintNotices(double pixels_per_metre,
+                  std::uint64_t seed,
+                  cv::Mat3b* image) {
+  Random random(seed);
+  Canvas canvas(*image);
+  const float metre = static_cast<float>(pixels_per_metre);
+  const float middle = 0.5f * canvas.width();
+  // A large one 1.5 m above the floor, smaller ones below, on either side.
+  constexpr float kScale = 1.41f;  // A3 to A4.
+  struct Place {
+    float x;
+    float height;
+    float scale;
+  };
+  for (const Place& place : {Place{0.02f, 1.52f, kScale},
+                             Place{-0.14f, 1.12f, 1.0f},
+                             Place{0.13f, 0.99f, 0.8f}}) {
+    cv::Mat3b paper(static_cast<int>(std::lround(0.297f * place.scale * metre)),
+                    static_cast<int>(std::lround(0.21f * place.scale * metre)));
+    if (paper.empty()) continue;
+    paper.setTo(cv::Scalar::all(230));
+    if (random.Index(3) == 0) {
+      PaintLetter(metre, &random, Canvas(paper));
+    } else {
+      PaintFlyer(metre, &random, Canvas(paper));
+    }
+    canvas.Paste(paper,
+                 {middle + (place.x + Between(&random, -0.04f, 0.04f)) * metre,
+                  canvas.height() -
+                      (place.height + Between(&random, -0.03f, 0.03f)) * metre},
+                 Between(&random, -0.04f, 0.04f));
+  }
 }
 
 }  // namespace waymark

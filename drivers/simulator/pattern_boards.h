@@ -17,10 +17,15 @@ void PaintNoticeboard(const std::optional<cv::Vec3b>& frame,
 void PaintSign(const std::optional<cv::Vec3b>& plate,
                const std::string& text,
                cv::Mat3b* image);
-// A leaf with its hinges on the left.
+// A leaf, with its lower edge on the floor.
 void PaintDoor(const std::optional<cv::Vec3b>& wood,
                double pixels_per_metre,
                std::uint64_t seed,
+               bool has_handle_left,
                cv::Mat3b* image);
+// Papers stuck to a door at the height of the eyes and below.
+void PaintNotices(double pixels_per_metre,
+                  std::uint64_t seed,
+                  cv::Mat3b* image);
 
 }  // namespace waymark
