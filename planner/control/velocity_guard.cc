@@ -111,16 +111,21 @@ void VelocityGuard::Rewind(Time now) {
   while (!commands_.empty() && commands_.back().time >= now) {
     commands_.pop_back();
   }
+  const Time forget = now - DurationFromSeconds(kForgetS);
+  while (commands_.size() > 1 && commands_[1].time <= forget) {
+    commands_.erase(commands_.begin());
+  }
+  // It has held for long, however long that is.
+  if (!commands_.empty() && commands_.front().time < forget) {
+    commands_.front().time = forget;
+  }
 }
 
 void VelocityGuard::Record(Time now, const Velocity& command) {
-  const Time forget = now - DurationFromSeconds(kForgetS);
-  // One that is older stays: it held when the next one came.
-  while (commands_.size() > 1 && commands_[1].time < forget) {
-    commands_.erase(commands_.begin());
-  }
   // Before the first one it stood.
-  if (commands_.empty()) commands_.push_back({forget, {}});
+  if (commands_.empty()) {
+    commands_.push_back({now - DurationFromSeconds(kForgetS), {}});
+  }
   commands_.push_back({now, command});
 }
 

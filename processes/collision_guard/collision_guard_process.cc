@@ -80,7 +80,10 @@ void CollisionGuardProcess::OnRequest(const velocity_t& message, Time t) {
     bus_->ReportBad(kMotionRequest, Bad::kContent, "time goes back");
     return;
   }
-  if (request_times_.size() >= kMaxSources) request_times_.clear();
+  if (request_times_.size() >= kMaxSources) {
+    request_times_.clear();
+    seqs_.clear();
+  }
   request_times_[message.source] = t;
   request_time_ = t;
   NoteTime(t);
@@ -196,7 +199,7 @@ void CollisionGuardProcess::Send(Time utime,
   sent_source_ = source;
   velocity_t message;
   message.utime = Microseconds(utime);
-  message.seq = seq_++;
+  message.seq = seqs_[source]++;
   message.source = source;
   message.forward = velocity.forward;
   message.turn_rate = velocity.turn_rate;

@@ -62,7 +62,7 @@ class CollisionGuardProcess {
   std::optional<Time> request_time_;           // The last of all.
   Velocity sent_;
   std::string sent_source_;
-  std::int32_t seq_ = 0;
+  std::map<std::string, std::int32_t> seqs_;  // Of each source.
 };
 
 }  // namespace waymark

@@ -168,6 +168,14 @@ TEST(VelocityGuard, OnlyBackwardsAfterABumper) {
   EXPECT_EQ(guard.Allow(At(1.0), {0.3, 0.2}).velocity, (Velocity{0.3, 0.2}));
 }
 
+TEST(VelocityGuard, ALongTimeWithoutCommandsCostsNoTime) {
+  VelocityGuard guard({});
+  guard.Stop(TimeFromMicroseconds(1));
+  const double years = 50 * 3.2e7;  // As from the epoch to now.
+  guard.SetRanges(ScanOf({}, {}, years));
+  EXPECT_EQ(guard.Allow(At(years), {0.3, 0.1}).velocity, (Velocity{0.3, 0.1}));
+}
+
 TEST(VelocityGuard, RefusesOptionsThatMakeNoSense) {
   VelocityGuardOptions options;
   options.radius = 0.0;
