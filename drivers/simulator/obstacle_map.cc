@@ -204,7 +204,7 @@ std::optional<RayHit> ObstacleMap::CastRay(const Eigen::Vector2d& p_W,
                                            double max_distance,
                                            std::span<const Disc2> discs) const {
   const Eigen::Vector2d direction(std::cos(bearing), std::sin(bearing));
-  RayHit hit{max_distance, 0.0};
+  RayHit hit{max_distance, 0.0, kInfinity};
   bool found = false;
   for (const Disc2& disc : discs) {
     const Eigen::Vector2d o = p_W - disc.p_W;
@@ -212,7 +212,7 @@ std::optional<RayHit> ObstacleMap::CastRay(const Eigen::Vector2d& p_W,
     const double t = is_inside ? 0.0 : EnterCircle(o, direction, disc.radius);
     if (t > hit.distance) continue;
     const Eigen::Vector2d normal = o + t * direction;
-    hit = {t, is_inside ? 0.0 : AngleToNormal(direction, normal)};
+    hit = {t, is_inside ? 0.0 : AngleToNormal(direction, normal), kInfinity};
     found = true;
   }
   // The stretch of the ray that lies in the grid.
@@ -241,7 +241,11 @@ std::optional<RayHit> ObstacleMap::CastRay(const Eigen::Vector2d& p_W,
       const double to_wall = RayToSegment(p_W, direction, segments_[i]);
       if (to_wall > hit.distance) continue;
       const Eigen::Vector2d along = segments_[i].b - segments_[i].a;
-      hit = {to_wall, AngleToNormal(direction, {-along.y(), along.x()})};
+      const Eigen::Vector2d p = p_W + to_wall * direction;
+      hit = {
+          to_wall,
+          AngleToNormal(direction, {-along.y(), along.x()}),
+          std::min((p - segments_[i].a).norm(), (p - segments_[i].b).norm())};
       found = true;
       t_out = std::min(t_out, to_wall);
     }

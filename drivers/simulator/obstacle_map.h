@@ -37,6 +37,8 @@ struct NearestObstacle {
 struct RayHit {
   double distance = 0.0;   // m.
   double incidence = 0.0;  // Angle between ray and normal, in [0, pi / 2].
+  double to_end = 0.0;     // To the nearer end of the segment, where edges and
+                           // corners are, m; infinite on discs.
 };
 
 struct ArcContact {

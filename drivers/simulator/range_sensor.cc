@@ -21,6 +21,7 @@ RangeSensorOptions RangeSensorOptions::SonarRing() {
   options.bearing_step = 2.0 * kPi / options.num_beams;
   options.beam_width = RadiansFromDegrees(30.0);
   options.max_incidence = RadiansFromDegrees(25.0);
+  options.edge_range = 1.5;
   options.sigma = 0.005;
   options.sigma_share = 0.01;
   options.drop_share = 0.01;
@@ -51,6 +52,7 @@ void RangeSensorOptions::Check() const {
   RequireWithin("ring_radius", ring_radius, 0.0, max_range);
   RequireWithin("beam_width", beam_width, 0.0, kPi);
   RequireWithin("max_incidence", max_incidence, 0.0, kPi);
+  RequireNotNegative("edge_range", edge_range);
   RequireNotNegative("sigma", sigma);
   RequireNotNegative("sigma_share", sigma_share);
   RequireWithin("drop_share", drop_share, 0.0, 1.0);
@@ -82,7 +84,11 @@ std::vector<float> RangeSensor::Measure(const Pose2& X_WR,
           num_rays > 1 ? options_.beam_width * (ray / (num_rays - 1.0) - 0.5)
                        : 0.0;
       const auto hit = map.CastRay(p_W, bearing + off, nearest, people);
-      if (hit && hit->incidence <= options_.max_incidence) {
+      if (!hit) continue;
+      // As near to it as two rays are to each other.
+      const bool is_edge = hit->distance <= options_.edge_range &&
+                           hit->to_end <= kConeStep * hit->distance;
+      if (hit->incidence <= options_.max_incidence || is_edge) {
         nearest = hit->distance;
       }
     }

@@ -12,8 +12,9 @@
 namespace waymark {
 
 // Beams from a circle about the sensor's origin, all at one instant. A beam
-// with a width hears the nearest thing in its cone that it meets steeply
-// enough; one without is a ray of light, which every wall scatters. No beam
+// with a width hears the nearest thing in its cone that throws sound back: what
+// it meets steeply enough, and at short range edges and corners at any angle.
+// One without a width is a ray of light, which every wall scatters. No beam
 // hears another.
 struct RangeSensorOptions {
   double rate_hz = 10.0;
@@ -26,6 +27,7 @@ struct RangeSensorOptions {
   double max_range = 4.0;      // What is read where nothing is heard, m.
   double beam_width = 0.0;     // rad.
   double max_incidence = 1.6;  // Between beam and normal; above: no echo, rad.
+  double edge_range = 0.0;     // Edges and corners are heard up to here, m.
   double sigma = 0.0;          // Noise: sigma + sigma_share * range, m.
   double sigma_share = 0.0;
   double drop_share = 0.0;  // Of readings that are lost: nothing heard.

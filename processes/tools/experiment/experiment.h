@@ -18,7 +18,8 @@ struct RunResult {
   std::string reason;  // Why not; a few words that runs share.
   std::int64_t num_touches = 0;
   double way_m = 0.0;       // That the robot drove.
-  double shortest_m = 0.0;  // Of the shortest way to where it had to go.
+  double shortest_m = 0.0;  // Of the shortest way to where it had to go; 0
+                            // where it had nowhere to go.
   double duration_s = 0.0;  // Simulated.
   // Magnitudes of this experiment's own, named with their unit, always the
   // same ones in the same order: {"end_error_m", 0.02}.

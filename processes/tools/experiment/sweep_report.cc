@@ -60,6 +60,7 @@ SweepSummary SummariseRuns(std::span<const RunResult> results) {
       if (!figures.contains(name)) names.push_back(name);
       figures[name].push_back(value);
     }
+    summary.has_goals = summary.has_goals || result.shortest_m > 0.0;
     if (result.is_success) {
       ++summary.num_successes;
       detours.push_back(Detour(result));
@@ -113,7 +114,9 @@ std::string SweepTable(const std::string& name, const SweepSummary& summary) {
       "  no touch       {}; {} touches in all\n",
       ShareText(summary.num_untouched, summary.num_runs, summary.untouched),
       summary.num_touches);
-  fmt::format_to(out, "  SPL            {:.3f}\n", summary.spl);
+  if (summary.has_goals) {
+    fmt::format_to(out, "  SPL            {:.3f}\n", summary.spl);
+  }
   fmt::format_to(out,
                  "  {:<20} {:>6} {:>10} {:>10} {:>10} {:>10}\n",
                  "",
@@ -132,7 +135,7 @@ std::string SweepTable(const std::string& name, const SweepSummary& summary) {
                    s.p95,
                    s.max);
   };
-  row("way / shortest *", summary.way_over_shortest);
+  if (summary.has_goals) row("way / shortest *", summary.way_over_shortest);
   row("duration_s *", summary.duration_s);
   row("way_m", summary.way_m);
   for (const auto& [title, figure] : summary.figures) row(title, figure);

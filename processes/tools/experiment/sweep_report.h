@@ -20,6 +20,8 @@ struct SweepSummary {
   std::int64_t num_touches = 0;    // In all runs.
   std::int64_t num_untouched = 0;  // Runs without any.
   Interval untouched;
+  bool has_goals = false;     // Any shortest_m above 0; else the next two say
+                              // nothing.
   double spl = 0.0;           // Success weighted by path length.
   Summary way_over_shortest;  // Of successful runs.
   Summary way_m;              // Of all.

@@ -74,6 +74,22 @@ TEST(RangeSensor, SonarHearsTheNearestThatItMeetsSteeplyEnough) {
       edge[0], 0.15 + (2.0 - 0.15 * std::cos(heading)) / std::cos(angle), 1e-4);
 }
 
+TEST(RangeSensor, SonarHearsTheEdgeOfAPillarAtShortRangeOnly) {
+  RangeSensorOptions options = Exact(RangeSensorOptions::SonarRing());
+  // A corner that points at the robot: both sides 45 deg off.
+  for (const double x : {0.8, 1.8}) {
+    const ObstacleMap pillar(
+        {{{x, 0.0}, {x + 0.3, 0.3}}, {{x, 0.0}, {x + 0.3, -0.3}}});
+    RangeSensor sonar(options, 1);
+    const auto ranges = sonar.Measure({}, pillar, {});
+    if (x < options.edge_range) {
+      EXPECT_NEAR(ranges[0], x, 0.02);  // A ray may pass beside the edge.
+    } else {
+      EXPECT_EQ(ranges[0], options.max_range);
+    }
+  }
+}
+
 TEST(RangeSensor, PeopleAreHeardAndHideWhatIsBehind) {
   const Disc2 person{{1.5, 0.0}, 0.25};
   RangeSensor lidar(Exact(RangeSensorOptions::Lidar()), 1);

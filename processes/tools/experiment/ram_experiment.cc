@@ -1,0 +1,83 @@
+#include "processes/tools/experiment/ram_experiment.h"
+
+#include "estimation/base/random.h"
+#include "processes/collision_guard/collision_guard_process.h"
+#include "processes/simulator/simulator_process.h"
+#include "processes/support/channels.h"
+#include "processes/tools/experiment/lock_step.h"
+
+#include <waymark/velocity_t.hpp>
+
+namespace waymark {
+namespace {
+
+constexpr Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
+constexpr Duration kRequestPeriod = std::chrono::milliseconds(50);
+
+}  // namespace
+
+RamExperimentConfig::RamExperimentConfig()
+    : simulator(SimulatorWithoutVision()) {}
+
+void RamExperimentConfig::Describe(Describer& d) {
+  d.Number("duration_s", &duration_s, {1.0, 100000.0}, "Simulated time");
+  d.Number("period_s", &period_s, {0.1, 1000.0}, "A new direction so often");
+  d.Group(
+      "simulator", [&] { simulator.Describe(d); }, "seed and start vary");
+  d.Group(
+      "collision_guard",
+      [&] { collision_guard.Describe(d); },
+      "As in its own configuration");
+}
+
+void RamExperimentConfig::Check() const {
+  simulator.Check();
+  collision_guard.Check();
+}
+
+void RamExperiment::Prepare() {
+  config_.Check();
+  world_ = LoadExperimentWorld(config_.simulator);
+  DriveTaskOptions options;
+  options.radius = config_.simulator.robot.radius;
+  options.min_way = 0.0;
+  options.max_way = 1000.0;
+  options.num_goals = 1;
+  tasks_.emplace(*world_.map, options, world_.start_W);
+}
+
+RunResult RamExperiment::Run(std::uint64_t seed,
+                             const std::string& log_path) const {
+  LockStep run(kStart, log_path);
+  run.Add<SimulatorProcess>(
+      WithStart(config_.simulator, tasks_->Make(seed).X_WR, seed));
+  run.Add<CollisionGuardProcess>(config_.collision_guard);
+  // Asked for without end: more than the guard allows, in any direction, most
+  // of it forward, where a robot meets things.
+  Random random(SeedFor(seed, "ram"));
+  const Duration limit = DurationFromSeconds(config_.duration_s);
+  velocity_t request{};
+  request.source = "experiment";
+  Time next_turn = kStart;
+  for (Time t = kStart; t < kStart + limit; t += kRequestPeriod) {
+    if (t >= next_turn) {
+      next_turn = t + DurationFromSeconds(config_.period_s);
+      request.forward = random.Uniform(-1.0, 2.0);
+      request.turn_rate = random.Uniform(-2.0, 2.0);
+    }
+    request.utime = Microseconds(t);
+    run.bus()->Publish(kMotionRequest, request);
+    ++request.seq;
+  }
+  (void)run.Run([](const Trip& /*trip*/) { return false; }, limit);
+  RunResult result;
+  result.seed = seed;
+  result.num_touches = run.trip().num_touches;
+  result.is_success = result.num_touches == 0;
+  if (!result.is_success) result.reason = "touched";
+  result.way_m = run.trip().way_m;
+  result.duration_s = run.duration_s();
+  return result;
+}
+
+}  // namespace waymark
