@@ -62,11 +62,13 @@ LightField::LightField(const Scene& scene, const LightFieldOptions& options)
       ambient_(Colour(scene.ambient)) {
   options.Check();
   // Rings of equal share of the cosine; each turned by another part of its
-  // step, so that no plane of a room holds whole rows of rays.
+  // step, so that no plane of a room holds whole rows of rays. Each packet goes
+  // through the rings, so that it sees something of everything.
   constexpr double kTurn = 0.37;
-  for (int ring = 0; ring < options.num_rings; ++ring) {
-    const double radius = std::sqrt((ring + 0.5) / options.num_rings);
+  for (int packet = 0; packet < options.num_rings; ++packet) {
     for (int i = 0; i < kLanes; ++i) {
+      const int ring = (packet + i) % options.num_rings;
+      const double radius = std::sqrt((ring + 0.5) / options.num_rings);
       const double angle =
           2.0 * std::numbers::pi * (i + 0.5 + kTurn * ring) / kLanes;
       directions_.push_back(Vector3d(radius * std::cos(angle),
@@ -75,36 +77,45 @@ LightField::LightField(const Scene& scene, const LightFieldOptions& options)
                                 .cast<float>());
     }
   }
+  // Every second sample of a lamp first, as on a chessboard.
+  for (const int parity : {0, 1}) {
+    for (int i = 0; i < options.lamp_samples; ++i) {
+      for (int j = 0; j < options.lamp_samples; ++j) {
+        if ((i + j) % 2 != parity) continue;
+        lamp_places_.emplace_back((i + 0.5) / options.lamp_samples - 0.5,
+                                  (j + 0.5) / options.lamp_samples - 0.5);
+      }
+    }
+  }
 }
 
 double LightField::VisibleShare(const SceneLamp& lamp,
                                 const Vector3d& p_W,
                                 const Vector3d& n_W) const {
-  const int num = options_.lamp_samples * options_.lamp_samples;
+  const std::size_t num = lamp_places_.size();
+  const std::size_t half = (num + 1) / 2;
   double seen = 0.0;
   double all = 0.0;
   RayPacket packet;
   packet.is_coherent = true;
   SetOrigin(p_W.cast<float>(), &packet);
-  for (int first = 0; first < num; first += kLanes) {
+  for (std::size_t first = 0; first < num; first += kLanes) {
+    if (first >= half && (seen == 0.0 || seen == all)) break;
     std::array<double, kLanes> weights{};
     packet.active = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
-      const int sample = std::min(first + lane, num - 1);
-      const double x =
-          (sample % options_.lamp_samples + 0.5) / options_.lamp_samples - 0.5;
-      const double y = static_cast<double>(sample / options_.lamp_samples);
-      const double y_share = (y + 0.5) / options_.lamp_samples - 0.5;
+      const std::size_t sample = first + static_cast<std::size_t>(lane);
+      const Eigen::Vector2d place =
+          lamp_places_[std::min(sample, num - 1)].cwiseProduct(lamp.size);
       const Vector3d to_lamp =
-          lamp.p_W + Vector3d(x * lamp.size.x(), y_share * lamp.size.y(), 0.0) -
-          p_W;
+          lamp.p_W + Vector3d(place.x(), place.y(), 0.0) - p_W;
       const double distance = to_lamp.norm();
       const Vector3d direction = to_lamp / distance;
       SetLane(direction.cast<float>(), lane, &packet);
       packet.farthest[lane] = static_cast<float>(
           std::max(0.0, distance - kLampGap / std::abs(direction.z())));
       const double weight = n_W.dot(direction) * direction.z();
-      if (first + lane >= num || !(weight > 0.0)) continue;
+      if (sample >= num || !(weight > 0.0)) continue;
       packet.active |= 1u << lane;
       weights[static_cast<std::size_t>(lane)] = weight / (distance * distance);
     }
@@ -139,6 +150,7 @@ Float4 LightField::Direct(const Vector3d& p_W, const Vector3d& n_W) const {
 
 LightField::Gathered LightField::Gather(const Vector3d& p_W,
                                         const Vector3d& n_W,
+                                        bool is_dark,
                                         const Radiosity& radiosity) const {
   Vector3d right;
   Vector3d up;
@@ -151,7 +163,16 @@ LightField::Gathered LightField::Gather(const Vector3d& p_W,
   packet.is_coherent = false;
   SetOrigin(origin, &packet);
   Gathered sum{Float4{}, 0.0f};
+  float num = 0.0f;
   for (std::size_t first = 0; first < directions_.size(); first += kLanes) {
+    // What eight rays cannot miss.
+    constexpr float kOpen = static_cast<float>(kLanes);
+    constexpr float kNarrow = 0.25f * static_cast<float>(kLanes);
+    if (first == kLanes &&
+        (sum.openness == kOpen || (is_dark && sum.openness < kNarrow))) {
+      break;
+    }
+    num += static_cast<float>(kLanes);
     for (int lane = 0; lane < kLanes; ++lane) {
       SetLane(R_WL * directions_[first + static_cast<std::size_t>(lane)],
               lane,
@@ -172,7 +193,7 @@ LightField::Gathered LightField::Gather(const Vector3d& p_W,
                              direction);
     }
   }
-  const float share = 1.0f / static_cast<float>(directions_.size());
+  const float share = 1.0f / num;
   sum.openness *= share;
   sum.light = Broadcast(share) * sum.light + Broadcast(sum.openness) * ambient_;
   return sum;

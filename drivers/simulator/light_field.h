@@ -15,7 +15,8 @@
 namespace waymark {
 
 struct LightFieldOptions {
-  // Shadow rays to each lamp: their number along x and along y, 1 to 16.
+  // Shadow rays to each lamp: their number along x and along y, 1 to 16. Half
+  // of them where those see all of it, or nothing.
   int lamp_samples = 4;
   // Rays over the hemisphere: rings of eight, 1 to 64.
   int num_rings = 8;
@@ -48,9 +49,12 @@ class LightField {
     // corner of two walls.
     float openness = 1.0f;
   };
-  // By everything but the lamps, over the hemisphere about n_W.
+  // By everything but the lamps, over the hemisphere about n_W. Where the
+  // first eight rays find the open sky, or `is_dark` and little space (inside
+  // walls, which nobody sees), they are all.
   [[nodiscard]] Gathered Gather(const Eigen::Vector3d& p_W,
                                 const Eigen::Vector3d& n_W,
+                                bool is_dark,
                                 const Radiosity& radiosity) const;
 
   // Whether something is between any two of up to four points.
@@ -67,8 +71,9 @@ class LightField {
   RayCaster caster_;  // Without lamps.
   std::vector<SceneLamp> lamps_;
   Float4 ambient_{};
-  // Cosine-weighted directions about z, eight in a ring.
+  // Cosine-weighted directions about z; each eight go all ways.
   std::vector<Eigen::Vector3f> directions_;
+  std::vector<Eigen::Vector2d> lamp_places_;  // In sizes of the lamp.
 };
 
 // Two unit vectors that make a right-handed frame with a unit normal: level,

@@ -18,7 +18,7 @@ namespace waymark {
 struct LightMapOptions {
   // Of the cells at whose corners light is computed, m; eight times finer
   // where something stands between the corners, four times where the light
-  // changes fast and along shaded borders.
+  // changes fast, twice along shaded borders.
   double cell_size = 0.2;
   // Bound of memory: cells become larger rather than more. A cell costs 128
   // bytes, a finer one up to 2.6 kB.

@@ -32,6 +32,7 @@ constexpr float kBorderChange = 0.06f;
 constexpr double kBeyond = 0.1;  // Of a cell.
 constexpr float kLeastChange = 0.01f;
 
+constexpr std::uint8_t kLogBorder = 1;
 constexpr std::uint8_t kLogFine = 2;
 constexpr std::uint8_t kLogFinest = 3;
 
@@ -210,6 +211,7 @@ void LightMapBaker::LightNode(const Vector3d& p_W,
   const LightField::Gathered gathered =
       field_.Gather(p_W + kLift * n_W,
                     n_W,
+                    Largest(node->direct) <= 0.0f,
                     [this](std::uint32_t triangle,
                            const Vector3f& q_W,
                            const Vector3f& direction) {
@@ -257,9 +259,9 @@ int LightMapBaker::StepsOf(std::size_t chart, int side, int x, int y) const {
   // Wholly inside a wall nobody sees it.
   if (num_buried == 4) return 0;
   if (field_.AreApart(points)) return kLogFinest;
-  const float change = is_border ? kBorderChange : kFastChange;
-  return high_value - low_value > change * high_value + kLeastChange ? kLogFine
-                                                                     : 0;
+  const float change = high_value - low_value - kLeastChange;
+  if (change > kFastChange * high_value) return kLogFine;
+  return is_border && change > kBorderChange * high_value ? kLogBorder : 0;
 }
 
 void LightMapBaker::ChooseStepsRow(const Row& row) {
@@ -339,7 +341,9 @@ void LightMapBaker::MendEdges(std::size_t chart, int side, int x, int y) {
   const int steps = 1 << log_steps_[index];
   Float4* nodes = nodes_of(index);
   constexpr int kNeighbours[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-  for (const auto& [dx, dy] : kNeighbours) {
+  for (const auto& step : kNeighbours) {
+    const int dx = step[0];
+    const int dy = step[1];
     const int other_x = x + dx;
     const int other_y = y + dy;
     if (c.CellTriangles(other_x, other_y).empty()) continue;

@@ -183,7 +183,7 @@ Float4 SurfaceShader::LightAt(const Vector3d& p_W, const Vector3d& n_W) const {
     if (is_emissive_[material] != 0) return albedo;
     return albedo * light_map_.At(index, q_W, direction);
   };
-  return field_.Direct(p_W, n_W) + field_.Gather(p_W, n_W, radiosity).light;
+  return field_.Direct(p_W, n_W) + field_.Gather(p_W, n_W, false, radiosity).light;
 }
 
 std::vector<PlacedMover> SurfaceShader::Place(
