@@ -59,9 +59,10 @@ Geodesic::Geodesic(const ObstacleMap& map, double radius, double cell)
 }
 
 Eigen::Vector2d Geodesic::MiddleOf(Cell cell) const {
-  return low_ +
-         cell_ * Eigen::Vector2d(static_cast<double>(cell % num_x_) + 0.5,
-                                 static_cast<double>(cell / num_x_) + 0.5);
+  const Cell x = cell % num_x_;
+  const Cell y = cell / num_x_;
+  return low_ + cell_ * Eigen::Vector2d(static_cast<double>(x) + 0.5,
+                                        static_cast<double>(y) + 0.5);
 }
 
 bool Geodesic::IsFree(const Eigen::Vector2d& a,
@@ -190,7 +191,7 @@ std::optional<GeodesicPath> Geodesic::Shortest(
     return GeodesicPath{(goal_W - start_W).norm(), {start_W, goal_W}};
   }
   // A grid may prefer another way round from the other end.
-  const std::optional<GeodesicPath> there = Descend(start_W, goal_W);
+  std::optional<GeodesicPath> there = Descend(start_W, goal_W);
   std::optional<GeodesicPath> back = Descend(goal_W, start_W);
   if (!there || !back || there->length <= back->length) return there;
   std::reverse(back->points.begin(), back->points.end());

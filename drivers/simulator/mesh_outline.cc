@@ -122,18 +122,17 @@ std::vector<Segment2> Joined(const std::vector<Segment2>& segments) {
   std::vector<Segment2> joined;
   for (Line& line : lines) {
     std::sort(line.stretches.begin(), line.stretches.end());
-    auto [begin, end] = line.stretches.front();
+    std::pair<double, double> stretch = line.stretches.front();
     const auto push = [&] {
-      joined.push_back(
-          {line.origin + begin * line.along, line.origin + end * line.along});
+      joined.push_back({line.origin + stretch.first * line.along,
+                        line.origin + stretch.second * line.along});
     };
     for (const auto& [from, to] : line.stretches) {
-      if (from > end + kSameLine) {
+      if (from > stretch.second + kSameLine) {
         push();
-        begin = from;
-        end = to;
+        stretch = {from, to};
       }
-      end = std::max(end, to);
+      stretch.second = std::max(stretch.second, to);
     }
     push();
   }

@@ -123,8 +123,7 @@ ObstacleMap::ObstacleMap(std::vector<Segment2> segments)
         const Eigen::Vector2d middle =
             low_ + kCell * Eigen::Vector2d(x + 0.5, y + 0.5);
         if ((middle - NearestOn(s, middle)).norm() > reach) continue;
-        cells[static_cast<std::size_t>(y * num_x_ + x)].push_back(
-            static_cast<std::uint32_t>(i));
+        cells[IndexOf(x, y)].push_back(static_cast<std::uint32_t>(i));
       }
     }
   }
@@ -150,8 +149,13 @@ ObstacleMap::Box ObstacleMap::BoxOf(const Eigen::Vector2d& low,
   return {CellX(low.x()), CellY(low.y()), CellX(high.x()), CellY(high.y())};
 }
 
+std::size_t ObstacleMap::IndexOf(int x, int y) const {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(num_x_) +
+         static_cast<std::size_t>(x);
+}
+
 std::span<const std::uint32_t> ObstacleMap::InCell(int x, int y) const {
-  const auto cell = static_cast<std::size_t>(y * num_x_ + x);
+  const std::size_t cell = IndexOf(x, y);
   return std::span(cell_segments_)
       .subspan(cell_starts_[cell], cell_starts_[cell + 1] - cell_starts_[cell]);
 }

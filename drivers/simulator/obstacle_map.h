@@ -93,6 +93,7 @@ class ObstacleMap {
   [[nodiscard]] int CellY(double y) const;
   [[nodiscard]] Box BoxOf(const Eigen::Vector2d& low,
                           const Eigen::Vector2d& high) const;
+  [[nodiscard]] std::size_t IndexOf(int x, int y) const;
   // Indices of the segments that touch a cell.
   [[nodiscard]] std::span<const std::uint32_t> InCell(int x, int y) const;
 

@@ -30,9 +30,9 @@ RangeSensorOptions RangeSensorOptions::SonarRing() {
 
 RangeSensorOptions RangeSensorOptions::Lidar() {
   RangeSensorOptions options;
-  options.num_beams = 361;
-  options.first_bearing = RadiansFromDegrees(-135.0);
-  options.bearing_step = RadiansFromDegrees(0.75);
+  options.num_beams = 360;
+  options.first_bearing = RadiansFromDegrees(-180.0);
+  options.bearing_step = RadiansFromDegrees(1.0);
   options.max_range = 8.0;
   options.sigma = 0.01;
   options.drop_share = 0.005;

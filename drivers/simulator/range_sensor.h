@@ -36,7 +36,7 @@ struct RangeSensorOptions {
   // start in the middle, so that they overlap from there on: real transducers
   // on a ring do by their side lobes, which hear what is close.
   [[nodiscard]] static RangeSensorOptions SonarRing();
-  // 361 rays over 270 deg.
+  // 360 rays all around.
   [[nodiscard]] static RangeSensorOptions Lidar();
 
   // Throws std::invalid_argument naming the first field out of range.

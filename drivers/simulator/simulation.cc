@@ -64,7 +64,7 @@ Simulation::Simulation(const SimulationOptions& options,
     CameraTimer timer(
         camera.timing, options_.start_time, options_.seed, camera.name);
     const CameraFrame first = timer.Next();
-    cameras_.push_back({std::move(timer), first, {}});
+    cameras_.push_back({timer, first, {}});
   }
 }
 

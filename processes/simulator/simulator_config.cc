@@ -194,8 +194,8 @@ void SimulatorConfig::DescribeRanges(Describer& d) {
                       {{"none", RangeKind::kNone},
                        {"sonar", RangeKind::kSonar},
                        {"lidar", RangeKind::kLidar}},
-                      "16 sonar beams all around, or 361 lidar rays over 270 "
-                      "deg, on RANGES");
+                      "16 sonar beams or 360 lidar rays, all around, on "
+                      "RANGES");
   d.Number("rate_hz", &range_rate_hz, kSensorRate, "Readings a second");
   d.Number("sigma", &range_noise, {0.0, 1.0}, "Standard deviation, m");
 }

@@ -38,9 +38,9 @@ TEST(RangeSensor, LidarMeasuresARoomAsGeometryHasIt) {
   RangeSensor lidar(options, 1);
   const Pose2 X_WR{0.7, -0.3, 2.1};
   const auto ranges = lidar.Measure(X_WR, Room(), {});
-  ASSERT_EQ(ranges.size(), 361u);
+  ASSERT_EQ(ranges.size(), 360u);
   const Pose2 X_WS = X_WR * options.X_RS;
-  for (int i = 0; i < 361; ++i) {
+  for (int i = 0; i < 360; ++i) {
     const double bearing =
         X_WS.heading + options.first_bearing + i * options.bearing_step;
     EXPECT_NEAR(ranges[static_cast<std::size_t>(i)],
@@ -95,7 +95,7 @@ TEST(RangeSensor, PeopleAreHeardAndHideWhatIsBehind) {
   RangeSensor lidar(Exact(RangeSensorOptions::Lidar()), 1);
   const auto light = lidar.Measure({}, Room(), {&person, 1});
   EXPECT_NEAR(light[180], 1.25, 1e-6);
-  EXPECT_NEAR(light[180 + 40], ToRoom({0, 0}, RadiansFromDegrees(30.0)), 1e-6);
+  EXPECT_NEAR(light[180 + 30], ToRoom({0, 0}, RadiansFromDegrees(30.0)), 1e-6);
   RangeSensor sonar(Exact(RangeSensorOptions::SonarRing()), 1);
   const auto sound = sonar.Measure({}, Room(), {&person, 1});
   EXPECT_NEAR(sound[0], 1.25, 1e-4);
