@@ -101,6 +101,7 @@ TEST_F(CollisionGuardProcessTest, AnswersEachRequestAtOnceWithItsTime) {
 }
 
 TEST_F(CollisionGuardProcessTest, StandsWhenNobodyAsksAnyLonger) {
+  config_.request_timeout_s = 0.5;
   config_.guard.ranges = RangeUse::kNone;
   Start();
   world_.RunUntil(At(0.1));
