@@ -75,8 +75,8 @@ struct Mark {
   Eigen::Matrix3d R_WB;
   double radius = 0.0;  // m.
 
-  // Of the end of edge i, on the mark.
-  [[nodiscard]] Vector3d End_W(int i) const {
+  // In W, from the corner along edge i.
+  [[nodiscard]] Vector3d Spoke(int i) const {
     const double angle = 2.0 * kPi * i / kSectors;
     return radius *
            (std::cos(angle) * R_WB.col(0) + std::sin(angle) * R_WB.col(1));
@@ -95,8 +95,8 @@ void AddMark(const Mark& mark, Scene* scene) {
   for (int i = 0; i < kSectors; ++i) {
     const auto first = static_cast<std::uint32_t>(scene->mesh.positions.size());
     for (const Vector3d& p : {Vector3d(mark.corner_W),
-                              Vector3d(mark.corner_W + mark.End_W(i)),
-                              Vector3d(mark.corner_W + mark.End_W(i + 1))}) {
+                              Vector3d(mark.corner_W + mark.Spoke(i)),
+                              Vector3d(mark.corner_W + mark.Spoke(i + 1))}) {
       scene->mesh.positions.push_back(p.cast<float>());
       scene->mesh.uvs.emplace_back(0.0f, 0.0f);
     }
@@ -204,7 +204,7 @@ Vector2d Displacement(const cv::Mat1f& grey,
   std::vector<ImageEdge> edges;
   for (int i = 0; i < kSectors / 2; ++i) {
     edges.push_back(EdgeOf(
-        view, corner_C, kShare * (X_WC.linear().transpose() * mark.End_W(i))));
+        view, corner_C, kShare * (X_WC.linear().transpose() * mark.Spoke(i))));
   }
   constexpr int kRadius = 13;
   constexpr double kCrossing = 3.0;
