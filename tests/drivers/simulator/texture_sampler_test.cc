@@ -140,7 +140,7 @@ TEST(TextureSampler, SurvivesAnyCoordinates) {
       }
     }
   }
-  EXPECT_THROW(TextureSampler(cv::Mat3b()), std::invalid_argument);
+  EXPECT_THROW(TextureSampler{cv::Mat3b()}, std::invalid_argument);
 }
 
 TEST(TextureSampler, AnySizeOfTexture) {
