@@ -1,21 +1,22 @@
 #include "processes/simulator/camera_rig.h"
 
+#include "estimation/base/random.h"
 #include "estimation/geometry/pose3.h"
 #include "processes/convert/camera_convert.h"
 #include "processes/support/channels.h"
+
+#include <opencv2/core.hpp>
 
 #include <vector>
 
 namespace waymark {
 namespace {
 
-// The axes of the head cross at the camera's centre.
-PanTiltMount HeadMount(const CameraDescription& camera) {
-  PanTiltMount mount;
-  mount.X_RH.linear() =
-      camera.X_RC.linear() * ForwardCameraRotation().transpose();
-  mount.X_RH.translation() = camera.X_RC.translation();
-  return mount;
+// A head that the calibration does not know turns about the camera's centre.
+CameraDescription LoadCamera(const SimulatedCameraConfig& config) {
+  CameraDescription camera = LoadCameraFile(FindCameraFile(config.file));
+  if (config.has_head && !camera.p_RH) camera.p_RH = camera.X_RC.translation();
+  return camera;
 }
 
 ImageEncoderOptions EncoderOptions(const SimulatedCameraConfig& config) {
@@ -26,55 +27,82 @@ ImageEncoderOptions EncoderOptions(const SimulatedCameraConfig& config) {
   return options;
 }
 
+// Cameras of other names have other noise.
+ImageSensorOptions SensorOptions(const SimulatedCameraConfig& config,
+                                 std::uint64_t seed) {
+  ImageSensorOptions options = config.sensor;
+  options.seed = SeedFor(seed, "sensor of " + config.name);
+  return options;
+}
+
 }  // namespace
 
 CameraRig::CameraRig(const SimulatedCameraConfig& config,
                      const Renderer* renderer,
-                     std::uint64_t /*seed*/)
+                     std::uint64_t seed)
     : config_(config),
       renderer_(renderer),
-      camera_(LoadCameraFile(FindCameraFile(config.file))),
-      mount_(HeadMount(camera_)),
+      camera_(LoadCamera(config)),
+      mount_(MountOf(camera_)),
       rays_(CameraView{camera_.model, camera_.size}),
+      sensor_(SensorOptions(config, seed)),
       encoder_(EncoderOptions(config)),
       image_channel_(std::string(kImagePrefix) + config.name),
       info_channel_(std::string(kCameraInfoPrefix) + config.name) {}
 
 Eigen::Isometry3d CameraRig::CameraPose(const ExposurePose& pose) const {
   const Eigen::Isometry3d X_RC =
-      config_.has_head ? mount_.CameraOnRobot(pose.head.pan, pose.head.tilt)
-                       : camera_.X_RC;
+      camera_.p_RH ? mount_.CameraOnRobot(pose.head.pan, pose.head.tilt)
+                   : camera_.X_RC;
   return SpatialPose(pose.X_WR) * X_RC;
 }
 
-CameraRig::Shot CameraRig::Expose(const CameraEvent& event) {
-  const ExposurePose& middle = event.poses[event.poses.size() / 2];
+cv::Mat3f CameraRig::LightOf(const CameraEvent& event) const {
   RenderOptions options;
   options.quality = config_.quality == CameraQuality::kLive
                         ? RenderQuality::kLive
                         : RenderQuality::kStill;
-  std::vector<Eigen::Isometry3d> X_WP;
-  for (const Pose2& X : middle.X_WP) X_WP.push_back(SpatialPose(X));
-  const RenderedView view =
-      renderer_->Render(rays_, CameraPose(middle), X_WP, options);
+  options.image = false;
+  options.linear = true;
+  cv::Mat3f sum;
+  for (const ExposurePose& pose : event.poses) {
+    std::vector<Eigen::Isometry3d> X_WP;
+    for (const Pose2& X : pose.X_WP) X_WP.push_back(SpatialPose(X));
+    const RenderedView view =
+        renderer_->Render(rays_, CameraPose(pose), X_WP, options);
+    if (sum.empty()) {
+      sum = view.linear;
+    } else {
+      sum += view.linear;
+    }
+  }
+  if (event.poses.size() > 1) sum /= static_cast<double>(event.poses.size());
+  return sum;
+}
+
+CameraRig::Shot CameraRig::Expose(const CameraEvent& event) {
+  const cv::Mat3f light = LightOf(event);
+  const auto number = static_cast<std::uint64_t>(event.frame.number);
+  const cv::Mat image = config_.is_gray
+                            ? cv::Mat(sensor_.Grey(light, number))
+                            : cv::Mat(sensor_.Colour(light, number));
+  sensor_.Adapt(light, last_ ? Seconds(event.frame.stamp - *last_) : 0.0);
+  last_ = event.frame.stamp;
   ImageTags tags;
   tags.time = event.frame.stamp;
   tags.seq = event.frame.number;
-  if (config_.has_head)
-    tags.head = HeadAngles{middle.head.pan, middle.head.tilt};
+  if (camera_.p_RH) {
+    const PanTilt& head = event.poses[event.poses.size() / 2].head;
+    tags.head = HeadAngles{head.pan, head.tilt};
+  }
   Shot shot;
-  shot.image = encoder_.Encode(view.image, tags, &shot.reason);
+  shot.image = encoder_.Encode(image, tags, &shot.reason);
   if (!shot.image) shot.reason = image_channel_ + ": " + shot.reason;
   return shot;
 }
 
 camera_info_t CameraRig::Info(Time time, std::int64_t seq) const {
-  camera_info_t message = ToMessage(camera_, config_.name, time, seq);
-  message.is_pan_tilt = config_.has_head;
-  if (config_.has_head) {
-    Eigen::Vector3d::Map(message.head_R) = mount_.X_RH.translation();
-  }
-  return message;
+  return ToMessage(camera_, config_.name, time, seq);
 }
 
 SimulatedCamera CameraRig::timing() const {

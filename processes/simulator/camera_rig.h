@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drivers/simulator/camera_rays.h"
+#include "drivers/simulator/image_sensor.h"
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/simulation.h"
 #include "estimation/camera/pan_tilt_mount.h"
@@ -47,13 +48,17 @@ class CameraRig {
 
  private:
   [[nodiscard]] Eigen::Isometry3d CameraPose(const ExposurePose& pose) const;
+  // Linear, averaged over the exposure.
+  [[nodiscard]] cv::Mat3f LightOf(const CameraEvent& event) const;
 
   SimulatedCameraConfig config_;
   const Renderer* renderer_;
   CameraDescription camera_;
   PanTiltMount mount_;
   CameraRays rays_;
+  ImageSensor sensor_;
   ImageEncoder encoder_;
+  std::optional<Time> last_;  // Exposure.
   std::string image_channel_;
   std::string info_channel_;
 };

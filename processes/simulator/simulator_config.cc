@@ -14,6 +14,14 @@ constexpr Range kSpeed{1e-3, 10.0};
 
 }  // namespace
 
+// A small camera of a small robot.
+SimulatedCameraConfig::SimulatedCameraConfig() {
+  sensor.vignetting = 0.2;
+  sensor.auto_exposure_s = 2.0;
+  sensor.full_well_electrons = 10000.0;
+  sensor.read_noise = 0.003;
+}
+
 void SimulatedCameraConfig::Describe(Describer& d) {
   d.Text("name", &name, "As in IMAGE_<name>; empty: no such camera");
   d.Text("file",
@@ -50,7 +58,9 @@ void SimulatedCameraConfig::Describe(Describer& d) {
   d.Group(
       "head",
       [&] {
-        d.Flag("present", &has_head, "On a pan-tilt head: PAN_TILT_COMMAND");
+        d.Flag("present",
+               &has_head,
+               "On a pan-tilt head even where the calibration knows of none");
         d.Number("max_rate", &head.max_rate, {0.01, 20.0}, "rad/s");
         d.Degrees("max_pan_deg", &head.max_pan, {0.0, 180.0}, "To both sides");
         d.Degrees("max_tilt_deg", &head.max_tilt, {0.0, 90.0}, "Both ways");
@@ -60,27 +70,28 @@ void SimulatedCameraConfig::Describe(Describer& d) {
       "sensor",
       [&] {
         d.Number("vignetting",
-                 &vignetting,
-                 kShare,
+                 &sensor.vignetting,
+                 {0.0, 0.99},
                  "Share of the light that the image's corners lack");
-        d.Number("gain", &gain, {0.01, 100.0}, "Of the exposure");
-        d.Flag("automatic_gain",
-               &is_gain_automatic,
-               "Follow the light of the images slowly, from `gain` on");
+        d.Number("gain", &sensor.gain, {0.1, 10.0}, "Of the first image");
+        d.Number("auto_exposure_s",
+                 &sensor.auto_exposure_s,
+                 {0.0, 600.0},
+                 "Time in which the gain follows the light; 0: it is fixed");
+        d.Number("full_well_electrons",
+                 &sensor.full_well_electrons,
+                 {0.0, 1e7},
+                 "Of a white pixel: photon noise; 0: none");
+        d.Number("read_noise",
+                 &sensor.read_noise,
+                 {0.0, 0.5},
+                 "Standard deviation in the dark, of the full sensor");
         d.Integer("blur_samples",
                   &blur_samples,
                   1,
                   64,
                   "Images that are averaged over one exposure, each as costly "
                   "as one; 1: no motion blur");
-        d.Number("read_noise",
-                 &read_noise,
-                 {0.0, 50.0},
-                 "Standard deviation in the dark, gray levels");
-        d.Number("full_well",
-                 &full_well,
-                 {0.0, 1e7},
-                 "Electrons of a white pixel: photon noise; 0: none");
       },
       "What the sensor makes of the light");
 }
@@ -98,7 +109,15 @@ void SimulatorConfig::Describe(Describer& d) {
             3,
             "x m, y m and heading deg of the robot; empty: the world's own");
   d.Integer("seed", &seed, 0, 1'000'000'000, "Of everything that is random");
-  d.Integer("num_threads", &num_threads, 1, 64, "Of one image");
+  d.Integer("num_threads",
+            &num_threads,
+            1,
+            64,
+            "Of one image; it does not depend on them");
+  d.Number("light_cell_m",
+           &light_cell,
+           {0.05, 5.0},
+           "Of the light, computed at the start: finer takes longer");
   d.Text("state_file",
          &state_file,
          "Where the robot is is saved to this file once a second, and a "
@@ -212,6 +231,7 @@ void SimulatorConfig::Check() const {
     }
     one->timing.Check();
     one->head.Check();
+    one->sensor.Check();
   }
   robot.Check();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drivers/simulator/camera_timing.h"
+#include "drivers/simulator/image_sensor.h"
 #include "drivers/simulator/pan_tilt_head.h"
 #include "drivers/simulator/range_sensor.h"
 #include "drivers/simulator/robot.h"
@@ -27,15 +28,10 @@ struct SimulatedCameraConfig {
   std::int64_t max_bytes = 60000;
   bool has_head = false;
   PanTiltHeadOptions head;
-  // Of the sensor.
-  double vignetting = 0.3;  // Share of light lost in the farthest corner.
-  double gain = 1.0;
-  bool is_gain_automatic = true;
+  ImageSensorOptions sensor;
   std::int64_t blur_samples = 1;
-  double read_noise = 1.0;     // Grey levels.
-  double full_well = 10000.0;  // Electrons at grey level 255; 0: no photon
-                               // noise.
 
+  SimulatedCameraConfig();
   void Describe(Describer& d);
 };
 
@@ -49,7 +45,8 @@ struct SimulatorConfig {
   double encoder_rate_hz = 50.0;
   double status_rate_hz = 10.0;
   std::string state_file;
-  std::int64_t num_threads = 1;
+  std::int64_t num_threads = 2;
+  double light_cell = 0.4;
   RobotOptions robot;
   RangeKind ranges = RangeKind::kSonar;
   double range_rate_hz = 10.0;

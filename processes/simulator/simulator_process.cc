@@ -15,8 +15,9 @@
 #include <waymark/planar_lidar_t.hpp>
 #include <waymark/truth_t.hpp>
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -105,6 +106,10 @@ void SimulatorProcess::AddCamera(const SimulatedCameraConfig& config) {
   if (!renderer_) {
     RendererOptions options;
     options.num_threads = static_cast<int>(config_.num_threads);
+    options.shader.light_map.cell_size = config_.light_cell;
+    spdlog::info("computing the light of {}, {} triangles",
+                 world_.source,
+                 scene_.mesh.triangles.size());
     renderer_ = std::make_unique<Renderer>(scene_, options);
   }
   Camera camera;

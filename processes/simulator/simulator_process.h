@@ -35,6 +35,7 @@ class SimulatorProcess {
  public:
   using Config = SimulatorConfig;
   static constexpr std::string_view kName = "simulator";
+  static constexpr bool kIsLiveOnly = true;
 
   // Throws InputError for a world, camera or state file that cannot be used,
   // and where the robot would start inside something.

@@ -33,6 +33,8 @@ const cv::Scalar kPerson(70, 90, 210);
 const cv::Scalar kStart(70, 150, 40);
 const cv::Scalar kPlace(170, 60, 150);
 const cv::Scalar kRoute(200, 170, 120);
+const cv::Scalar kTruthPath(90, 160, 60);     // Wide, so that the other one is
+const cv::Scalar kEstimatePath(200, 60, 30);  // seen on it.
 const cv::Scalar kText(70, 64, 60);
 
 // Drawn twice as large, then halved: OpenCV smooths lines but no areas.
@@ -78,6 +80,7 @@ class PlanDrawer {
     DrawNames();
     DrawPeople();
     DrawPoses();
+    DrawPaths();
     DrawScaleBar();
     cv::Mat3b small;
     cv::resize(image_,
@@ -327,6 +330,17 @@ class PlanDrawer {
            At(p) + cv::Point2d(0.0, 14.0 * kOversampling),
            0.4,
            kPlace);
+    }
+  }
+
+  void DrawPaths() {
+    for (const PlanPath& path : options_.paths) {
+      for (std::size_t i = 1; i < path.points.size(); ++i) {
+        Line(path.points[i - 1],
+             path.points[i],
+             path.is_truth ? kTruthPath : kEstimatePath,
+             path.is_truth ? 3.0 : 1.5);
+      }
     }
   }
 

@@ -4,13 +4,23 @@
 #include "drivers/simulator/scene.h"
 #include "drivers/simulator/world.h"
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
+
+#include <vector>
 
 namespace waymark {
 
+// What was driven, or believed to be.
+struct PlanPath {
+  std::vector<Eigen::Vector2d> points;  // W, m.
+  bool is_truth = false;                // Else an estimate.
+};
+
 struct PlanOptions {
-  int pixels = 1200;     // Of the longer side of what there is.
-  double seconds = 0.0;  // When: of people who walk.
+  int pixels = 1200;            // Of the longer side of what there is.
+  double seconds = 0.0;         // When: of people who walk.
+  std::vector<PlanPath> paths;  // Drawn over everything, in this order.
 };
 
 // North up: floors, walls, doors, furniture, people, starts (arrows), places

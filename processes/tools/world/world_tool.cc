@@ -5,14 +5,21 @@
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/scene_edges.h"
 #include "estimation/base/input_error.h"
+#include "estimation/geometry/angle.h"
 #include "estimation/geometry/pose3.h"
 #include "processes/convert/camera_file.h"
 #include "processes/convert/world_file.h"
+#include "processes/support/channels.h"
+#include "processes/support/decode.h"
+#include "processes/support/log_file.h"
 #include "processes/support/output_file.h"
 #include "processes/support/progress.h"
 #include "processes/support/run_tool.h"
 #include "processes/tools/world/plan_drawing.h"
 #include "processes/tools/world/world_check.h"
+
+#include <waymark/pose_t.hpp>
+#include <waymark/truth_t.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -40,6 +47,7 @@ struct Request {
   std::string depth;
   std::string surfaces;
   std::string edges;
+  std::string log;
   double seconds = 0.0;
   int pixels = 1200;
   int threads = 1;
@@ -173,12 +181,62 @@ void Render(const Request& request) {
   }
 }
 
+// TRUTH wide below POSE; lost or unknown poses make no gap.
+std::vector<PlanPath> PathsOf(const std::string& log) {
+  PlanPath truth;
+  truth.is_truth = true;
+  PlanPath estimate;
+  LogReader reader(log);
+  while (const auto event = reader.Next()) {
+    if (event->channel == kTruth) {
+      const auto message = DecodeMessage<truth_t>(event->data);
+      if (message) truth.points.emplace_back(message->x, message->y);
+    } else if (event->channel == kPose) {
+      const auto message = DecodeMessage<pose_t>(event->data);
+      if (message && message->is_known != 0) {
+        estimate.points.emplace_back(message->pose_W[0], message->pose_W[1]);
+      }
+    }
+  }
+  if (truth.points.empty() && estimate.points.empty()) {
+    throw InputError(log + ": has neither TRUTH nor POSE");
+  }
+  return {truth, estimate};
+}
+
+std::string Degrees(double heading) {
+  return ShortestNumber(std::round(1e6 * DegreesFromRadians(heading)) / 1e6);
+}
+
+void PrintPose(const char* kind, const WorldPose& pose) {
+  fmt::print("{} {} {},{},{}\n",
+             kind,
+             pose.name.empty() ? "-" : pose.name,
+             ShortestNumber(pose.X_WR.x),
+             ShortestNumber(pose.X_WR.y),
+             Degrees(pose.X_WR.heading));
+}
+
+void Info(const Request& request) {
+  const World world = LoadWorldFile(FindWorldFile(request.world));
+  for (const WorldPose& start : world.starts) PrintPose("start", start);
+  for (const WorldPose& place : world.places) PrintPose("place", place);
+  for (const WorldRoute& route : world.routes) {
+    fmt::print("route {}", route.name);
+    for (const Eigen::Vector2d& p : route.points) {
+      fmt::print(" {},{}", ShortestNumber(p.x()), ShortestNumber(p.y()));
+    }
+    fmt::print("\n");
+  }
+}
+
 void Plan(const Request& request) {
   CheckImageOutput(request, request.out, "--out", false);
   const World world = LoadWorldFile(FindWorldFile(request.world));
   PlanOptions options;
   options.pixels = request.pixels;
   options.seconds = request.seconds;
+  if (!request.log.empty()) options.paths = PathsOf(request.log);
   WriteImage(request.out, DrawPlan(world, BuildScene(world), options), request);
 }
 
@@ -286,7 +344,19 @@ void AddPlan(CLI::App* app, Request* request) {
   command->add_option("--pixels", request->pixels, "Of the longer side")
       ->check(CLI::Range(200, 8000))
       ->capture_default_str();
+  command->add_option("--log",
+                      request->log,
+                      "Draw TRUTH (green) and POSE (blue) of this LCM log too");
   command->callback([request] { Plan(*request); });
+}
+
+void AddInfo(CLI::App* app, Request* request) {
+  CLI::App* command = app->add_subcommand(
+      "info",
+      "Starts, places and routes, one a line: poses as x,y,heading in m and "
+      "degrees, way-points as x,y");
+  command->add_option("WORLD", request->world, "Name or file")->required();
+  command->callback([request] { Info(*request); });
 }
 
 void AddCheck(CLI::App* app, Request* request, int* exit_code) {
@@ -314,6 +384,7 @@ int RunWorldTool(int argc, char** argv) {
                    app->require_subcommand(1);
                    AddRender(app, &request);
                    AddPlan(app, &request);
+                   AddInfo(app, &request);
                    AddCheck(app, &request, exit_code);
                  });
 }

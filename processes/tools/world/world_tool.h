@@ -9,7 +9,8 @@ namespace waymark {
 //                        [--quality live|still] --out FILE [--depth FILE]
 //                        [--surfaces FILE] [--edges FILE] [--seconds T]
 //                        [--threads N]
-//   waymark-world plan WORLD --out FILE [--seconds T] [--pixels N]
+//   waymark-world plan WORLD --out FILE [--seconds T] [--pixels N] [--log LOG]
+//   waymark-world info WORLD
 //   waymark-world check WORLD... [--threads N]
 //
 // WORLD and CAMERA are files or names of those that come with Waymark.

@@ -49,6 +49,7 @@ class SimulatorProcessTest : public testing::Test {
     config_.world = Path("room.yaml");
     config_.camera.file = Path("camera.yaml");
     config_.camera.name = "";
+    config_.light_cell = 2.0;  // Nobody looks: quick.
     config_.robot.wheel_variance = 0.0;
     config_.robot.base_variance = 0.0;
   }
