@@ -213,7 +213,8 @@ TrackReport PathTracker::Update(Time time, const Pose2& X_WR) {
   return Report(velocity);
 }
 
-TrackReport PathTracker::Hold(Time time, const std::string& reason) {
+TrackReport PathTracker::Hold(std::optional<Time> time,
+                              const std::string& reason) {
   time_ = time;
   last_ = {};
   mark_time_.reset();

@@ -76,8 +76,10 @@ class PathTracker {
   // What to ask for at pose X_WR. Time that does not advance, or by more than
   // a second, counts as no time for acceleration and waiting.
   [[nodiscard]] TrackReport Update(Time time, const Pose2& X_WR);
-  // The same where the pose is unknown: to stand.
-  [[nodiscard]] TrackReport Hold(Time time, const std::string& reason);
+  // The same where the pose is unknown: to stand. Without a time where there
+  // was no pose yet whose time could be told.
+  [[nodiscard]] TrackReport Hold(std::optional<Time> time,
+                                 const std::string& reason);
 
   [[nodiscard]] bool is_active() const {
     return state_ == TrackState::kDriving || state_ == TrackState::kWaiting;

@@ -60,6 +60,7 @@ class CollisionGuardProcess {
   Time ranges_arrived_;
   std::map<std::string, Time> request_times_;  // The last of each source.
   std::optional<Time> request_time_;           // The last of all.
+  Time request_arrived_;
   Velocity sent_;
   std::string sent_source_;
   std::map<std::string, std::int32_t> seqs_;  // Of each source.

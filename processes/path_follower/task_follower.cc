@@ -108,8 +108,8 @@ void TaskFollower::OnNoPose(Time t, const std::string& reason) {
 void TaskFollower::OnTimer(Time now) {
   if (!pose_time_) {
     if (task_ && tracker_.is_active()) {
-      task_status_t status =
-          ToMessage(tracker_.Hold(now, "no pose yet"), now, status_seq_++);
+      task_status_t status = ToMessage(
+          tracker_.Hold(std::nullopt, "no pose yet"), now, status_seq_++);
       status.source = role_.name;
       status.task_utime = Microseconds(task_->time);
       bus_->Publish(kTaskStatus, status);

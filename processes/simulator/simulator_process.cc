@@ -184,7 +184,9 @@ void SimulatorProcess::OnCommand(const velocity_t& message, Time t) {
   }
   if (!simulation_) return;
   simulation_->Command(message.forward, message.turn_rate);
-  if (config_.pace != Pace::kStepped || !unanswered_ || t < *unanswered_) {
+  // What the guard sends because nobody asks has no source, and its own time.
+  if (config_.pace != Pace::kStepped || !unanswered_ || t < *unanswered_ ||
+      message.source.empty()) {
     return;
   }
   Step(bus_->now());

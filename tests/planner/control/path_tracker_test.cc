@@ -102,6 +102,22 @@ TEST(PathTracker, DrivesStraightToTheGoalAndSwingsNowhere) {
   EXPECT_TRUE(loop.report.velocity.is_zero());
 }
 
+// What was reported before there was a pose leaves no trace in the motion.
+TEST(PathTracker, WaitingForTheFirstPoseChangesNothing) {
+  PathTracker alone{PathTrackerOptions{}};
+  PathTracker waited{PathTrackerOptions{}};
+  alone.Start({{{3.0, 0.0}, {}}}, 0.0);
+  waited.Start({{{3.0, 0.0}, {}}}, 0.0);
+  EXPECT_EQ(waited.Hold(std::nullopt, "no pose yet").state,
+            TrackState::kWaiting);
+  for (const double s : {0.0, 0.1, 0.2}) {
+    const Velocity a = alone.Update(At(s), Pose2{}).velocity;
+    const Velocity b = waited.Update(At(s), Pose2{}).velocity;
+    EXPECT_EQ(a.forward, b.forward) << s;
+    EXPECT_EQ(a.turn_rate, b.turn_rate) << s;
+  }
+}
+
 TEST(PathTracker, TurnsOnTheSpotFirstWhereItIsBadlyAligned) {
   for (const double heading : {kPi, 3.0, -3.0, 2.0, -1.6, 1.2}) {
     Loop loop;

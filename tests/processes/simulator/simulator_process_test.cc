@@ -226,6 +226,20 @@ TEST_F(SimulatorProcessTest, SteppedGoesAsFastAsItIsAnswered) {
   EXPECT_EQ(world.Status("simulator").fault, "");
 }
 
+// A guard that nobody asks anything sends zero, by its own clock.
+TEST_F(SimulatorProcessTest, SteppedTakesNoAnswerThatNobodyAskedFor) {
+  config_.pace = Pace::kStepped;
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  velocity_t nobody = Velocity(kStart + seconds(9), 0.0, 0.0);
+  nobody.source = "";
+  for (int i = 1; i < 5; ++i) {
+    world.PublishAt(kStart + milliseconds(100 * i), kMotionCommand, nobody);
+  }
+  world.RunUntil(kStart + milliseconds(600));
+  EXPECT_EQ(world.Messages<encoders_t>(kEncoders).size(), 1u);
+}
+
 TEST_F(SimulatorProcessTest, SteppedAndLockStepGiveTheSameTrajectory) {
   config_.robot.wheel_variance = 1e-5;
   std::vector<std::vector<truth_t>> paths;
