@@ -280,8 +280,8 @@ TEST_F(SimulatorNetworkTest, FreeRunningStaysNearTheTrajectoryOfLockStep) {
   EXPECT_EQ(peer_.base.num_contacts, 0);
 }
 
-// At rest within the command time-out of 500 ms; a message and a tick, and
-// what this machine stands still for now and then, come on top.
+// At rest within the command time-out of 500 ms. It is measured at this end of
+// the bus: one tick of 20 ms, the message's way, and a wait for the processor.
 constexpr double kRestMs = 500.0;
 constexpr double kSlackMs = 60.0;
 
