@@ -1,3 +1,4 @@
+#include "drivers/simulator/gltf_data.h"
 #include "drivers/simulator/gltf_document.h"
 #include "drivers/simulator/mesh_file.h"
 #include "drivers/simulator/mesh_source.h"
@@ -13,27 +14,24 @@ using Json = GltfDocument::Json;
 
 constexpr int kMaxDepth = 64;  // Of nodes in nodes.
 constexpr int kTriangles = 4;  // Mode of a primitive.
-constexpr int kUnsignedByte = 5121;
-constexpr int kUnsignedShort = 5123;
-constexpr int kUnsignedInt = 5125;
-constexpr int kFloat = 5126;
 
 class GltfCleaner {
  public:
-  explicit GltfCleaner(const std::string& path) : document_(path) {}
+  explicit GltfCleaner(const std::string& path)
+      : document_(path), data_(document_), out_(data_.clean()) {}
 
   MeshSource Clean() {
     CheckHead();
-    CleanBuffers();
-    CleanAccessors();
-    CleanImages();
     CleanMaterials();
     CleanMeshes();
     CleanNodes();
-    source_.main = "model.gltf";
-    source_.files["model.gltf"] = out_.dump();
-    source_.has_linear_colors = true;
-    return std::move(source_);
+    MeshSource source;
+    source.main = "model.gltf";
+    source.files = data_.files();
+    source.files["model.gltf"] = out_.dump();
+    source.images = data_.images();
+    source.has_linear_colors = true;
+    return source;
   }
 
  private:
@@ -54,136 +52,6 @@ class GltfCleaner {
         document_.Refuse("needs the extension " + name.dump(-1, ' ', true) +
                          ", which is not read here (KHR_materials_* are)");
       }
-    }
-  }
-
-  void CleanBuffers() {
-    const Json& buffers = document_.Items("buffers");
-    for (std::size_t i = 0; i < buffers.size(); ++i) {
-      const std::string where = GltfDocument::Entry("buffers", i);
-      const std::int64_t length =
-          document_.Whole(buffers[i],
-                          "byteLength",
-                          where,
-                          1,
-                          static_cast<std::int64_t>(kMaxMeshFileBytes));
-      const std::string uri = GltfDocument::Text(buffers[i], "uri");
-      std::string bytes =
-          uri.empty() ? document_.binary() : document_.Resolve(uri, where);
-      if (static_cast<std::int64_t>(bytes.size()) < length) {
-        document_.Refuse(where + ": byteLength is " + std::to_string(length) +
-                         ", but " + std::to_string(bytes.size()) +
-                         " bytes are there");
-      }
-      bytes.resize(static_cast<std::size_t>(length));
-      const std::string name = "buffer" + std::to_string(i) + ".bin";
-      source_.files[name] = std::move(bytes);
-      out_["buffers"].push_back({{"byteLength", length}, {"uri", name}});
-    }
-    const Json& views = document_.Items("bufferViews");
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const std::string where = GltfDocument::Entry("bufferViews", i);
-      const std::int64_t buffer =
-          document_.Index(views[i], "buffer", where, "buffers");
-      const std::int64_t size =
-          out_["buffers"][static_cast<std::size_t>(buffer)]["byteLength"];
-      const std::int64_t offset =
-          document_.Whole(views[i], "byteOffset", where, 0, size, 0);
-      const std::int64_t length =
-          document_.Whole(views[i], "byteLength", where, 1, size - offset);
-      const std::int64_t stride =
-          document_.Whole(views[i], "byteStride", where, 0, 252, 0);
-      Json view = {
-          {"buffer", buffer}, {"byteOffset", offset}, {"byteLength", length}};
-      if (stride > 0) view["byteStride"] = stride;
-      out_["bufferViews"].push_back(std::move(view));
-    }
-  }
-
-  void CleanAccessors() {
-    static const std::map<std::string, std::int64_t> kComponents{{"SCALAR", 1},
-                                                                 {"VEC2", 2},
-                                                                 {"VEC3", 3},
-                                                                 {"VEC4", 4},
-                                                                 {"MAT2", 4},
-                                                                 {"MAT3", 9},
-                                                                 {"MAT4", 16}};
-    const Json& accessors = document_.Items("accessors");
-    for (std::size_t i = 0; i < accessors.size(); ++i) {
-      const Json& accessor = accessors[i];
-      const std::string where = GltfDocument::Entry("accessors", i);
-      if (accessor.contains("sparse")) {
-        document_.Refuse(where + ": sparse accessors are not read here");
-      }
-      const std::int64_t view =
-          document_.Index(accessor, "bufferView", where, "bufferViews");
-      const Json& out_view =
-          out_["bufferViews"][static_cast<std::size_t>(view)];
-      const std::int64_t room = out_view["byteLength"];
-      const std::string type = GltfDocument::Text(accessor, "type");
-      const auto components = kComponents.find(type);
-      if (components == kComponents.end())
-        document_.Refuse(where + ": unknown type");
-      const std::int64_t component =
-          document_.Whole(accessor, "componentType", where, 5120, kFloat);
-      const std::int64_t element =
-          components->second * (component >= kUnsignedInt        ? 4
-                                : component >= kUnsignedByte + 1 ? 2
-                                                                 : 1);
-      const std::int64_t stride = out_view.value("byteStride", element);
-      if (stride < element)
-        document_.Refuse(where + ": longer than its view's stride");
-      const std::int64_t offset =
-          document_.Whole(accessor, "byteOffset", where, 0, room, 0);
-      const std::int64_t count = document_.Whole(
-          accessor, "count", where, 1, 3 * std::int64_t{kMaxMeshTriangles});
-      if (offset + stride * (count - 1) + element > room) {
-        document_.Refuse(where + ": its " + std::to_string(count) +
-                         " elements do not fit into bufferViews[" +
-                         std::to_string(view) + "]");
-      }
-      out_["accessors"].push_back({{"bufferView", view},
-                                   {"byteOffset", offset},
-                                   {"componentType", component},
-                                   {"count", count},
-                                   {"type", type}});
-    }
-  }
-
-  void CleanImages() {
-    const Json& images = document_.Items("images");
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      const std::string where = GltfDocument::Entry("images", i);
-      const std::string uri = GltfDocument::Text(images[i], "uri");
-      MeshSource::Image image;
-      image.name = where;
-      if (uri.empty()) {
-        const std::int64_t index =
-            document_.Index(images[i], "bufferView", where, "bufferViews");
-        const Json& view = out_["bufferViews"][static_cast<std::size_t>(index)];
-        image.bytes =
-            source_.files
-                .at("buffer" +
-                    std::to_string(view["buffer"].get<std::int64_t>()) + ".bin")
-                .substr(view["byteOffset"].get<std::size_t>(),
-                        view["byteLength"].get<std::size_t>());
-      } else if (uri.starts_with("data:")) {
-        image.bytes = document_.Resolve(uri, where);
-      } else {
-        image.name = uri;
-        image.path = document_.FilePath(uri);
-      }
-      source_.images.push_back(std::move(image));
-      out_["images"].push_back({{"uri", MeshImageName(i)}});
-    }
-    const Json& textures = document_.Items("textures");
-    for (std::size_t i = 0; i < textures.size(); ++i) {
-      out_["textures"].push_back(
-          {{"source",
-            document_.Index(textures[i],
-                            "source",
-                            GltfDocument::Entry("textures", i),
-                            "images")}});
     }
   }
 
@@ -238,80 +106,26 @@ class GltfCleaner {
     }
   }
 
-  // An accessor of vertices, or of their indices.
-  std::int64_t AccessorOf(const Json& object,
-                          const std::string& key,
-                          const std::string& where,
-                          const std::string& type,
-                          bool is_index) const {
-    const std::int64_t index = document_.Index(object, key, where, "accessors");
-    const Json& accessor = out_["accessors"][static_cast<std::size_t>(index)];
-    const std::int64_t component = accessor["componentType"];
-    const bool fits = is_index ? component == kUnsignedByte ||
-                                     component == kUnsignedShort ||
-                                     component == kUnsignedInt
-                               : component == kFloat;
-    if (!fits || accessor["type"] != type) {
-      document_.Refuse(where + ": " + key + " must be " + type + " of " +
-                       (is_index ? "unsigned numbers" : "floats"));
-    }
-    return index;
-  }
-
-  std::int64_t CountOf(std::int64_t accessor) const {
-    return out_["accessors"][static_cast<std::size_t>(accessor)]["count"];
-  }
-
-  void CheckIndices(std::int64_t index,
-                    std::int64_t num_vertices,
-                    const std::string& where) const {
-    const Json& accessor = out_["accessors"][static_cast<std::size_t>(index)];
-    const Json& view =
-        out_["bufferViews"][accessor["bufferView"].get<std::size_t>()];
-    const std::string& bytes = source_.files.at(
-        "buffer" + std::to_string(view["buffer"].get<std::int64_t>()) + ".bin");
-    const std::int64_t component = accessor["componentType"];
-    const std::size_t size = component == kUnsignedInt     ? 4
-                             : component == kUnsignedShort ? 2
-                                                           : 1;
-    const std::size_t stride = view.value("byteStride", size);
-    const std::size_t start = view["byteOffset"].get<std::size_t>() +
-                              accessor["byteOffset"].get<std::size_t>();
-    const std::size_t count = accessor["count"];
-    for (std::size_t i = 0; i < count; ++i) {
-      std::int64_t value = 0;
-      for (std::size_t k = size; k-- > 0;) {
-        value = 256 * value +
-                static_cast<std::uint8_t>(bytes[start + i * stride + k]);
-      }
-      if (value >= num_vertices) {
-        document_.Refuse(where + ": index " + std::to_string(value) +
-                         ", but there are " + std::to_string(num_vertices) +
-                         " vertices");
-      }
-    }
-  }
-
   Json CleanPrimitive(const Json& primitive, const std::string& where) {
     const Json* attributes = GltfDocument::Child(primitive, "attributes");
     if (attributes == nullptr) document_.Refuse(where + ": no attributes");
     const std::int64_t position =
-        AccessorOf(*attributes, "POSITION", where, "VEC3", false);
+        data_.AccessorOf(*attributes, "POSITION", where, "VEC3", false);
     Json out = {{"attributes", {{"POSITION", position}}}, {"mode", kTriangles}};
-    std::int64_t num_corners = CountOf(position);
+    std::int64_t num_corners = data_.CountOf(position);
     if (attributes->contains("TEXCOORD_0")) {
       const std::int64_t uv =
-          AccessorOf(*attributes, "TEXCOORD_0", where, "VEC2", false);
-      if (CountOf(uv) != CountOf(position)) {
+          data_.AccessorOf(*attributes, "TEXCOORD_0", where, "VEC2", false);
+      if (data_.CountOf(uv) != data_.CountOf(position)) {
         document_.Refuse(where + ": not as many TEXCOORD_0 as POSITION");
       }
       out["attributes"]["TEXCOORD_0"] = uv;
     }
     if (primitive.contains("indices")) {
       const std::int64_t indices =
-          AccessorOf(primitive, "indices", where, "SCALAR", true);
-      CheckIndices(indices, CountOf(position), where);
-      num_corners = CountOf(indices);
+          data_.AccessorOf(primitive, "indices", where, "SCALAR", true);
+      data_.CheckIndices(indices, data_.CountOf(position), where);
+      num_corners = data_.CountOf(indices);
       out["indices"] = indices;
     }
     if (num_corners % 3 != 0) {
@@ -452,10 +266,10 @@ class GltfCleaner {
   }
 
   GltfDocument document_;
+  GltfData data_;
   Json out_;
   std::vector<std::int64_t> num_triangles_;  // Of each mesh.
   std::int64_t total_ = 0;
-  MeshSource source_;
 };
 
 }  // namespace

@@ -1,0 +1,82 @@
+// People of a world file, and where robots start, stop and drive.
+#include "processes/convert/world_reader.h"
+#include "processes/convert/world_values.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace waymark {
+
+void WorldReader::ReadPerson(YamlGroup group) {
+  WorldPerson person;
+  person.name = group.Text("name").value_or(
+      "person " + std::to_string(world_->people.size() + 1));
+  person.where = group.Where(person.name);
+  person.height = group.Number("height", {1.2, 2.2}).value_or(person.height);
+  person.seed = Seed(&group, world_->people.size() + 1);
+  ReadMotion(&group, &person);
+  group.Finish();
+  world_->people.push_back(std::move(person));
+}
+
+void WorldReader::ReadMotion(YamlGroup* group, WorldPerson* person) {
+  const auto motion = group->Choice("motion", {"stand", "walk", "beside"});
+  if (!motion) group->Miss("motion");
+  person->motion = static_cast<PersonMotion>(*motion);
+  switch (person->motion) {
+    case PersonMotion::kStand:
+      person->at = RequiredPoint(group, "at");
+      person->heading = Degrees(group, "heading_deg", kHeading);
+      return;
+    case PersonMotion::kWalk: {
+      const auto rows = group->Rows("path", 2, 2, kCoordinate);
+      if (!rows) group->Miss("path");
+      person->path = Points(*rows);
+      person->is_closed = group->Flag("closed").value_or(false);
+      person->speed = group->Number("speed", {0.0, 5.0}).value_or(1.0);
+      person->start = group->Number("start", {0.0, 1e4}).value_or(0.0);
+      double length = 0.0;
+      for (std::size_t i = 1; i < person->path.size(); ++i) {
+        length += (person->path[i] - person->path[i - 1]).norm();
+      }
+      if (!(length > 0.0)) group->Refuse("path", "must have a length");
+      return;
+    }
+    case PersonMotion::kBeside:
+      person->bearing = Degrees(group, "bearing_deg", kHeading);
+      person->clearance =
+          group->Number("clearance", {0.0, 10.0}).value_or(person->clearance);
+      return;
+  }
+}
+
+void WorldReader::ReadPoses(YamlGroup* root) {
+  const auto pose = [](const std::vector<double>& row) -> Pose2 {
+    return {row[0], row[1], std::remainder(row[2], 360.0) * kRadiansPerDegree};
+  };
+  if (const auto rows = root->Rows("starts", 1, 3, {-360.0, 360.0})) {
+    world_->starts.clear();  // Those of a base.
+    for (std::size_t i = 0; i < rows->size(); ++i) {
+      const std::string name = "start " + std::to_string(i);
+      world_->starts.push_back({root->Where() + name, name, pose((*rows)[i])});
+    }
+  }
+  auto places = root->Group("places");
+  if (!places) return;
+  for (const std::string& name : places->keys()) {
+    const auto row = places->Numbers(name, 3, {-360.0, 360.0});
+    world_->places.push_back({places->Where(name), name, pose(*row)});
+  }
+}
+
+void WorldReader::ReadRoutes(YamlGroup* root) {
+  auto routes = root->Group("routes");
+  if (!routes) return;
+  for (const std::string& name : routes->keys()) {
+    const auto rows = routes->Rows(name, 2, 2, kCoordinate);
+    world_->routes.push_back({routes->Where(name), name, Points(*rows)});
+  }
+}
+
+}  // namespace waymark

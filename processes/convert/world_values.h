@@ -1,0 +1,39 @@
+// Values that objects of a world file have in common.
+#pragma once
+
+#include "processes/support/configuration_range.h"
+#include "processes/support/yaml_group.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace waymark {
+
+inline constexpr Range kCoordinate{-200.0, 200.0};  // m; fine in a float.
+inline constexpr Range kHeading{-360.0, 360.0};     // Degrees.
+inline constexpr Range kLight{0.0, 10.0};
+
+[[nodiscard]] Eigen::Vector2d Vector2Of(const std::vector<double>& numbers);
+[[nodiscard]] std::vector<Eigen::Vector2d> Points(
+    const std::vector<std::vector<double>>& rows);
+
+// The value under a key; InputError where it is missing or out of range.
+[[nodiscard]] double Required(YamlGroup* group,
+                              const std::string& key,
+                              Range range);
+[[nodiscard]] Eigen::Vector2d RequiredPoint(YamlGroup* group,
+                                            const std::string& key);
+// Radians of a key in degrees; 0 where it is missing.
+[[nodiscard]] double Degrees(YamlGroup* group,
+                             const std::string& key,
+                             Range range);
+// Of the key `seed`.
+[[nodiscard]] std::uint64_t Seed(YamlGroup* group, std::uint64_t otherwise);
+
+// "a, b, c".
+[[nodiscard]] std::string Joined(const std::vector<std::string>& names);
+
+}  // namespace waymark
