@@ -8,6 +8,7 @@
 #include "estimation/geometry/pose3.h"
 
 #include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,9 @@
 
 namespace waymark {
 namespace {
+
+// Forward and aside, both change images.
+const Pose2 kMillimetre{0.8e-3, 0.6e-3, 0.0};
 
 struct Eye {
   std::string name;
@@ -89,6 +93,21 @@ Exposure ExposureOf(const cv::Mat3b& image, const cv::Mat1b& seen) {
   return exposure;
 }
 
+double GreyChange(const cv::Mat3b& first,
+                  const cv::Mat3b& second,
+                  const cv::Mat1b& seen) {
+  cv::Mat1b grey[2];
+  cv::cvtColor(first, grey[0], cv::COLOR_BGR2GRAY);
+  cv::cvtColor(second, grey[1], cv::COLOR_BGR2GRAY);
+  cv::Mat1b change;
+  cv::absdiff(grey[0], grey[1], change);
+  return cv::mean(change, seen.empty() ? cv::noArray() : seen)[0];
+}
+
+bool ViewCheck::IsGood() const {
+  return is_free && exposure.IsGood() && change <= kMaxChange;
+}
+
 std::vector<ViewCheck> CheckViews(const World& world,
                                   const Scene& scene,
                                   std::span<const NamedCamera> cameras,
@@ -120,12 +139,19 @@ std::vector<ViewCheck> CheckViews(const World& world,
             eye.name);
         check.clearance = area.Clearance(X_WR.position());
         check.is_free = check.clearance >= options.robot_radius;
-        const RenderedView view =
-            renderer.Render(eye.rays,
-                            SpatialPose(X_WR) * eye.X_RC,
-                            MoverPoses(people, X_WR),
-                            {.quality = RenderQuality::kLive});
-        check.exposure = ExposureOf(view.image, eye.seen);
+        // People stay where they are, whatever the robot does.
+        const std::vector<Eigen::Isometry3d> X_WP = MoverPoses(people, X_WR);
+        const auto view = [&](const Pose2& from) {
+          return renderer
+              .Render(eye.rays,
+                      SpatialPose(from) * eye.X_RC,
+                      X_WP,
+                      {.quality = RenderQuality::kLive})
+              .image;
+        };
+        const cv::Mat3b image = view(X_WR);
+        check.exposure = ExposureOf(image, eye.seen);
+        check.change = GreyChange(image, view(X_WR * kMillimetre), eye.seen);
         checks.push_back(std::move(check));
       }
     }

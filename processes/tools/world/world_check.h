@@ -28,6 +28,11 @@ struct Exposure {
 [[nodiscard]] Exposure ExposureOf(const cv::Mat3b& image,
                                   const cv::Mat1b& seen);
 
+// Mean absolute change of the grey value, over the pixels that count.
+[[nodiscard]] double GreyChange(const cv::Mat3b& first,
+                                const cv::Mat3b& second,
+                                const cv::Mat1b& seen);
+
 struct NamedCamera {
   std::string name;
   CameraDescription camera;
@@ -38,6 +43,12 @@ struct ViewCheck {
   double clearance = 0.0;  // Of the place, m, by the plan.
   Exposure exposure;
   bool is_free = true;
+  // GreyChange() of the view when the robot moves a millimetre: what changes
+  // more flickers under way.
+  double change = 0.0;
+
+  static constexpr double kMaxChange = 1.5;
+  [[nodiscard]] bool IsGood() const;
 };
 
 struct WorldCheckOptions {

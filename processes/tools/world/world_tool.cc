@@ -256,17 +256,17 @@ bool CheckOne(const Request& request,
   options.num_threads = request.threads;
   int bad = 0;
   for (const ViewCheck& check : CheckViews(world, scene, cameras, options)) {
-    const bool is_good = check.is_free && check.exposure.IsGood();
-    if (!is_good) ++bad;
-    if (is_good && !request.is_verbose) continue;
+    if (!check.IsGood()) ++bad;
+    if (check.IsGood() && !request.is_verbose) continue;
     fmt::print(
         "  {}: {}: mean grey {:.0f}, {:.1f} % at 0, {:.1f} % at 255, "
-        "clearance {:.2f} m\n",
-        is_good ? "good" : "BAD",
+        "{:.2f} grey a millimetre, clearance {:.2f} m\n",
+        check.IsGood() ? "good" : "BAD",
         check.name,
         check.exposure.mean,
         100.0 * check.exposure.black_share,
         100.0 * check.exposure.burnt_share,
+        check.change,
         check.clearance);
   }
   fmt::print("  {}\n", bad == 0 ? "good" : fmt::format("{} views bad", bad));
@@ -364,7 +364,9 @@ void AddCheck(CLI::App* app, Request* request, int* exit_code) {
       "check",
       "Loads and builds worlds; robots must be free at starts and places, and "
       "images from there well exposed: mean grey value from 50 to 200, at most "
-      "2 % of pixels at 0 or 255. Exit 1 where one is not.");
+      "2 % of pixels at 0 or 255, a mean change of at most 1.5 grey values "
+      "when "
+      "the robot moves a millimetre. Exit 1 where one is not.");
   command->add_option("WORLD", request->worlds, "Names or files")->required();
   command->add_flag(
       "-v,--verbose", request->is_verbose, "A line for good views too");

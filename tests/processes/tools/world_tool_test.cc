@@ -141,5 +141,18 @@ TEST(Exposure, CountsWhatIsBurntAndBlack) {
       ExposureOf(cv::Mat3b(4, 4, cv::Vec3b(201, 201, 201)), {}).IsGood());
 }
 
+TEST(GreyChange, IsTheMeanOfPixelsThatCount) {
+  const cv::Mat3b first(2, 2, cv::Vec3b(100, 100, 100));
+  cv::Mat3b second = first.clone();
+  second(0, 1) = {106, 106, 106};
+  second(1, 1) = {98, 98, 98};
+  EXPECT_NEAR(GreyChange(first, second, {}), 2.0, 1e-12);
+  cv::Mat1b seen(2, 2, std::uint8_t{255});
+  seen(1, 1) = 0;
+  EXPECT_NEAR(GreyChange(first, second, seen), 2.0, 1e-12);
+  seen(0, 0) = 0;
+  EXPECT_NEAR(GreyChange(first, second, seen), 3.0, 1e-12);
+}
+
 }  // namespace
 }  // namespace waymark
