@@ -84,9 +84,11 @@ void VelocityGuard::SetRanges(const RangeScan& scan) {
     if (!std::isfinite(range) || range <= options_.min_range) continue;
     const double angle = scan.first_angle + static_cast<double>(i) * scan.step;
     seen_.push_back(WrapAngle(options_.X_RS.heading + angle));
-    const double half = 0.5 * options_.beam_width;
-    const int parts =
-        static_cast<int>(std::ceil(2.0 * half * range / kArcSpacing));
+    // What is between two beams is seen by neither, or by both at its range.
+    const double half =
+        0.5 *
+        std::max(options_.beam_width, std::min(std::abs(scan.step), 0.5 * kPi));
+    const int parts = static_cast<int>(2.0 * half * range / kArcSpacing);
     for (int k = 0; k <= parts; ++k) {
       const double beside =
           parts == 0 ? 0.0

@@ -44,9 +44,11 @@ struct VelocityGuardOptions {
   double hold_s = 0.15;
 
   RangeUse ranges = RangeUse::kRequired;
-  Pose2 X_RS;                  // Where the range sensor is.
-  double min_range = 0.02;     // Less is no measurement, m.
-  double beam_width = 0.0;     // An echo may come from anywhere in it, rad.
+  Pose2 X_RS;               // Where the range sensor is.
+  double min_range = 0.02;  // Less is no measurement, m.
+  // An echo may come from anywhere in its beam, which is at least as wide as
+  // beams are apart (up to 90 deg), so that nothing is between them, rad.
+  double beam_width = 0.0;
   double max_range_age = 0.5;  // s.
   double unseen_speed = 0.1;   // To where no range looks, m/s.
 

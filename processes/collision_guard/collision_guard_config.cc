@@ -69,7 +69,8 @@ void CollisionGuardConfig::DescribeRanges(Describer& d) {
   d.Degrees("beam_width_deg",
             &guard.beam_width,
             {0.0, 90.0},
-            "An echo may come from anywhere in it (sonar); 0: from its middle");
+            "An echo may come from anywhere in it; at least what beams are "
+            "apart");
   d.Number("max_age_s",
            &guard.max_range_age,
            {0.05, 10.0},

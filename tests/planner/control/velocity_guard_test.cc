@@ -144,17 +144,27 @@ TEST(VelocityGuard, KnowsWhereTheSensorIs) {
 }
 
 TEST(VelocityGuard, AWideEchoMayBeAnywhereInIt) {
-  // 30 deg to the left, 0.5 m away: beside the way, unless the beam is wide.
-  const auto allowed = [](double width) {
+  // 35 deg to the left, 0.6 m away: beside the way, unless the beam is wide.
+  const auto allowed = [](double width_deg, double step_deg) {
     VelocityGuardOptions options;
-    options.beam_width = width;
+    options.beam_width = RadiansFromDegrees(width_deg);
     VelocityGuard guard(options);
-    RangeScan scan{At(0), 0.0, RadiansFromDegrees(35.0), {5.0, 0.6}};
+    RangeScan scan{At(0),
+                   step_deg < 0.0 ? RadiansFromDegrees(70.0) : 0.0,
+                   RadiansFromDegrees(step_deg),
+                   {}};
+    scan.ranges.assign(static_cast<std::size_t>(35.0 / std::abs(step_deg)) + 1,
+                       5.0);
+    scan.ranges.back() = 0.6;
     guard.SetRanges(scan);
     return guard.Allow(At(0), {0.5, 0.0}).velocity.forward;
   };
-  EXPECT_EQ(allowed(0.0), 0.5);
-  EXPECT_LT(allowed(RadiansFromDegrees(40.0)), 0.5);
+  EXPECT_EQ(allowed(0.0, 1.0), 0.5);
+  EXPECT_EQ(allowed(0.0, 5.0), 0.5);
+  EXPECT_LT(allowed(40.0, 5.0), 0.5);
+  // Nothing is between two beams.
+  EXPECT_LT(allowed(0.0, 35.0), 0.5);
+  EXPECT_LT(allowed(0.0, -35.0), 0.5);
 }
 
 TEST(VelocityGuard, OnlyBackwardsAfterABumper) {
