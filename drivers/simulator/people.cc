@@ -1,7 +1,10 @@
 #include "drivers/simulator/people.h"
 
+#include "estimation/base/check.h"
 #include "estimation/base/input_error.h"
 #include "estimation/geometry/angle.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +55,13 @@ People::People(const World& world, const PeopleOptions& options)
   }
 }
 
-std::vector<Pose2> People::PosesAt(double seconds, const Pose2& X_WR) const {
+std::vector<Pose2> People::PosesAt(double seconds,
+                                   const Pose2& X_WR,
+                                   std::span<const PersonState> states) const {
+  WAYMARK_CHECK(states.empty() || states.size() == people_.size(),
+                states.size(),
+                people_.size());
+  const PersonState fresh;
   std::vector<Pose2> poses;
   for (std::size_t i = 0; i < people_.size(); ++i) {
     const WorldPerson& person = people_[i];
@@ -62,7 +71,8 @@ std::vector<Pose2> People::PosesAt(double seconds, const Pose2& X_WR) const {
             {person.at.x(), person.at.y(), WrapAngle(person.heading)});
         break;
       case PersonMotion::kWalk:
-        poses.push_back(Walk(person, paths_[i], seconds));
+        poses.push_back(Walk(
+            person, paths_[i], states.empty() ? fresh : states[i], seconds));
         break;
       case PersonMotion::kBeside:
         poses.push_back(Beside(person, X_WR, poses));
@@ -72,12 +82,85 @@ std::vector<Pose2> People::PosesAt(double seconds, const Pose2& X_WR) const {
   return poses;
 }
 
+void People::Meet(double seconds,
+                  double dt,
+                  const Pose2& X_WR,
+                  std::vector<PersonState>* states) const {
+  states->resize(people_.size());
+  for (std::size_t i = 0; i < people_.size(); ++i) {
+    if (people_[i].motion != PersonMotion::kWalk) continue;
+    PersonState* state = &(*states)[i];
+    MeetAsWalker(Walk(people_[i], paths_[i], *state, seconds), dt, X_WR, state);
+  }
+}
+
+void People::MeetAsWalker(const Pose2& X_WP,
+                          double dt,
+                          const Pose2& X_WR,
+                          PersonState* state) const {
+  const double touching = kPersonRadius + options_.robot_radius;
+  const Eigen::Vector2d p_PR = Inverse(X_WP) * X_WR.position();
+  const double gap = p_PR.norm() - touching;
+  const bool is_near = gap < kLookGap && p_PR.x() > -touching;
+  const bool is_in_way = is_near && std::abs(p_PR.y()) < touching + kPassGap;
+  const double way = kAsideSpeed * dt;
+  const Eigen::Rotation2Dd R_WP(X_WP.heading);
+  if (!is_near) {
+    state->patience_s = 0.0;
+    const double left = state->aside_W.norm();
+    if (left > 0.0) {
+      (void)Shift(
+          X_WP, -std::min(way / left, 1.0) * state->aside_W, X_WR, state);
+    }
+  }
+  // Aside enough, they stay there until they are past it.
+  if (!is_in_way) return;
+  const bool is_ahead = p_PR.x() > 0.0;
+  if (state->patience_s < kPatienceS) {
+    const double left = p_PR.y() > 0.0 ? -way : way;
+    (void)Shift(X_WP, R_WP * Eigen::Vector2d(0.0, left), X_WR, state);
+    if (is_ahead && gap < kWaitGap) {
+      state->waited_s += dt;
+      state->patience_s += dt;
+    }
+    return;
+  }
+  // Back, and away from the robot, or along what is in the way of that.
+  state->waited_s += is_ahead ? 2.0 * dt : dt;
+  const Eigen::Vector2d away = -way * (R_WP * p_PR.normalized());
+  for (const double turn : {0.0, 0.7, -0.7, 1.4, -1.4}) {
+    if (Shift(X_WP, Eigen::Rotation2Dd(turn) * away, X_WR, state)) return;
+  }
+}
+
+bool People::Shift(const Pose2& X_WP,
+                   const Eigen::Vector2d& step_W,
+                   const Pose2& X_WR,
+                   PersonState* state) const {
+  const Eigen::Vector2d to = X_WP.position() + step_W;
+  // Room for the elbows, or more than before.
+  constexpr double kElbows = 0.03;
+  const double clearance = area_.Clearance(to);
+  if (clearance < kPersonRadius + kElbows &&
+      clearance < area_.Clearance(X_WP.position())) {
+    return false;
+  }
+  const double before = (X_WR.position() - X_WP.position()).norm();
+  const double after = (X_WR.position() - to).norm();
+  const double free = kPersonRadius + options_.robot_radius + kPassGap;
+  if (after < before && after < free) return false;
+  state->aside_W += step_W;
+  return true;
+}
+
 Pose2 People::Walk(const WorldPerson& person,
                    const Path& path,
+                   const PersonState& state,
                    double seconds) const {
   const double length = path.along.back();
   const double period = person.is_closed ? length : 2.0 * length;
-  double way = std::fmod(person.start + person.speed * seconds, period);
+  double way = std::fmod(
+      person.start + person.speed * (seconds - state.waited_s), period);
   if (way < 0.0) way += period;
   const bool is_returning = way > length;
   if (is_returning) way = period - way;
@@ -90,7 +173,7 @@ Pose2 People::Walk(const WorldPerson& person,
   const Eigen::Vector2d& b = path.points[to];
   const double part = path.along[to] - path.along[to - 1];
   const double t = part > 0.0 ? (way - path.along[to - 1]) / part : 0.0;
-  const Eigen::Vector2d at = a + t * (b - a);
+  const Eigen::Vector2d at = a + t * (b - a) + state.aside_W;
   const Eigen::Vector2d ahead = is_returning ? Eigen::Vector2d(a - b) : b - a;
   return {at.x(), at.y(), HeadingOf(ahead)};
 }

@@ -1,10 +1,12 @@
 // Where the people of a world are.
 #pragma once
 
+#include "drivers/simulator/person_state.h"
 #include "drivers/simulator/walk_area.h"
 #include "drivers/simulator/world.h"
 #include "estimation/geometry/pose2.h"
 
+#include <span>
 #include <vector>
 
 namespace waymark {
@@ -18,7 +20,8 @@ struct PeopleOptions {
   void Check() const;
 };
 
-// Poses follow from time and the robot's pose alone: nobody remembers.
+// Poses follow from time, the robot's pose, and what people have met with so
+// far, which whoever asks remembers for them.
 class People {
  public:
   // Throws InputError where a path has no length, or the world is none.
@@ -28,14 +31,34 @@ class People {
   //
   //   seconds   since the start of the run
   //   X_WR      the robot's pose
+  //   states    as Meet() leaves them; empty: nobody has met a robot
   //
-  // Who stands, stands. Who walks is at start + speed * seconds along the path
-  // and looks along it. Who goes beside the robot is `clearance` from its
-  // cylinder, at the wanted bearing or, where walls, furniture or the others
-  // beside it are in the way, at the nearest free one; where none is free, at
-  // the one that is least in the way. Looks where the robot looks.
-  [[nodiscard]] std::vector<Pose2> PosesAt(double seconds,
-                                           const Pose2& X_WR) const;
+  // Who stands, stands. Who walks is at start + speed * (seconds - waited)
+  // along the path, or aside of it, and looks along it. Who goes beside the
+  // robot is `clearance` from its cylinder, at the wanted bearing or, where
+  // walls, furniture or the others beside it are in the way, at the nearest
+  // free one; where none is free, at the one that is least in the way. Looks
+  // where the robot looks.
+  [[nodiscard]] std::vector<Pose2> PosesAt(
+      double seconds,
+      const Pose2& X_WR,
+      std::span<const PersonState> states = {}) const;
+
+  // What who walks makes of a robot at X_WR in the `dt` from `seconds` on:
+  // steps aside as far as there is room, stops kWaitGap before a robot that
+  // still is less than kPassGap beside its way, after kPatienceS goes back
+  // before it, and goes on when it is gone.
+  void Meet(double seconds,
+            double dt,
+            const Pose2& X_WR,
+            std::vector<PersonState>* states) const;
+
+  // Air between person and robot, m.
+  static constexpr double kPassGap = 0.25;
+  static constexpr double kWaitGap = 0.6;
+  static constexpr double kLookGap = 1.5;  // Farther robots are nobody's care.
+  static constexpr double kPatienceS = 3.0;
+  static constexpr double kAsideSpeed = 0.4;  // m/s.
 
  private:
   struct Path {
@@ -43,8 +66,18 @@ class People {
     std::vector<double> along;            // m from the start, of each point.
   };
 
+  void MeetAsWalker(const Pose2& X_WP,
+                    double dt,
+                    const Pose2& X_WR,
+                    PersonState* state) const;
+  // Where that is free, and not too close to the robot.
+  [[nodiscard]] bool Shift(const Pose2& X_WP,
+                           const Eigen::Vector2d& step_W,
+                           const Pose2& X_WR,
+                           PersonState* state) const;
   [[nodiscard]] Pose2 Walk(const WorldPerson& person,
                            const Path& path,
+                           const PersonState& state,
                            double seconds) const;
   [[nodiscard]] Pose2 Beside(const WorldPerson& person,
                              const Pose2& X_WR,

@@ -129,9 +129,14 @@ std::vector<SimulationEvent> Simulation::AdvanceTo(Time end) {
 
 void Simulation::StepPhysics(Time until) {
   while (step_end_ < until) {
-    const Time end = step_end_ + step_;
-    robot_.Step(Seconds(step_), *world_.map, Discs(end, robot_.X_WR()));
-    step_end_ = end;
+    // Decided where the step begins, whoever asks in between.
+    const double begin_s = SecondsAt(step_end_);
+    const double dt = Seconds(step_);
+    states0_ = states_;
+    if (world_.meet) world_.meet(begin_s, dt, robot_.X_WR(), &states_);
+    states0_.resize(states_.size());
+    step_end_ += step_;
+    robot_.Step(dt, *world_.map, Discs(step_end_, robot_.X_WR()));
   }
   now_ = until;
 }
@@ -191,7 +196,19 @@ Pose2 Simulation::PoseAt(Time t) const {
 
 std::vector<Pose2> Simulation::PeopleAt(Time t, const Pose2& X_WR) const {
   if (!world_.people) return {};
-  return world_.people(Seconds(t - options_.start_time), X_WR);
+  const double share = ShareAt(t);
+  std::vector<PersonState> states = states_;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const PersonState& from = states0_[i];
+    PersonState& to = states[i];
+    to.waited_s = from.waited_s + share * (to.waited_s - from.waited_s);
+    to.aside_W = from.aside_W + share * (to.aside_W - from.aside_W);
+  }
+  return world_.people(SecondsAt(t), X_WR, states);
+}
+
+double Simulation::SecondsAt(Time t) const {
+  return Seconds(t - options_.start_time);
 }
 
 std::vector<Pose2> Simulation::People() const {

@@ -3,6 +3,7 @@
 
 #include "drivers/simulator/camera_timing.h"
 #include "drivers/simulator/pan_tilt_head.h"
+#include "drivers/simulator/person_state.h"
 #include "drivers/simulator/range_sensor.h"
 #include "drivers/simulator/robot.h"
 #include "estimation/base/time.h"
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -45,8 +47,18 @@ struct SimulationOptions {
 struct SimulationWorld {
   // Outlives the simulation; not null.
   const ObstacleMap* map = nullptr;
-  // X_WP of each person, seconds after the start; empty: nobody.
-  std::function<std::vector<Pose2>(double seconds, const Pose2& X_WR)> people;
+  // X_WP of each person, `seconds` after the start; `states` as meet() leaves
+  // them (empty: nobody has met a robot). Empty: nobody.
+  std::function<std::vector<Pose2>(
+      double seconds, const Pose2& X_WR, std::span<const PersonState> states)>
+      people;
+  // What the robot makes of the states in the `dt` from `seconds` on. Empty:
+  // nobody minds it.
+  std::function<void(double seconds,
+                     double dt,
+                     const Pose2& X_WR,
+                     std::vector<PersonState>* states)>
+      meet;
 };
 
 struct EncoderEvent {
@@ -150,6 +162,7 @@ class Simulation {
   [[nodiscard]] Pose2 PoseAt(Time t) const;
   [[nodiscard]] std::vector<Pose2> PeopleAt(Time t, const Pose2& X_WR) const;
   [[nodiscard]] std::vector<Disc2> Discs(Time t, const Pose2& X_WR) const;
+  [[nodiscard]] double SecondsAt(Time t) const;
   void TakeAllAt(Time t, std::vector<SimulationEvent>* events);
 
   SimulationOptions options_;
@@ -165,6 +178,9 @@ class Simulation {
   Duration step_;
   Time now_;
   Time step_end_;
+  // Of the people, at both ends of the step under way.
+  std::vector<PersonState> states0_;
+  std::vector<PersonState> states_;
 };
 
 }  // namespace waymark

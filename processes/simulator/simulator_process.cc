@@ -136,8 +136,16 @@ Simulation SimulatorProcess::MakeSimulation(Time start) const {
   options.seed = static_cast<std::uint64_t>(config_.seed);
   SimulationWorld world;
   world.map = &map_;
-  world.people = [this](double seconds, const Pose2& X_WR) {
-    return people_.PosesAt(seconds, X_WR);
+  world.people = [this](double seconds,
+                        const Pose2& X_WR,
+                        std::span<const PersonState> states) {
+    return people_.PosesAt(seconds, X_WR, states);
+  };
+  world.meet = [this](double seconds,
+                      double dt,
+                      const Pose2& X_WR,
+                      std::vector<PersonState>* states) {
+    people_.Meet(seconds, dt, X_WR, states);
   };
   return Simulation(options, world, start_);
 }

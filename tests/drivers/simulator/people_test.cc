@@ -6,8 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -41,6 +43,87 @@ void ExpectAt(const Pose2& pose, double x, double y, double heading) {
   EXPECT_NEAR(pose.x, x, 1e-9);
   EXPECT_NEAR(pose.y, y, 1e-9);
   EXPECT_NEAR(pose.heading, heading, 1e-9);
+}
+
+// Someone walks for 40 s, the first `num_s` of them with a robot at X_WR:
+// where they are every 10 ms.
+std::vector<Pose2> WalkedPast(const People& people,
+                              const Pose2& X_WR,
+                              double num_s) {
+  constexpr double kStep = 0.01;
+  std::vector<PersonState> states;
+  std::vector<Pose2> poses;
+  for (int i = 0; i < 4000; ++i) {
+    const double t = i * kStep;
+    const Pose2 X_now = t < num_s ? X_WR : Pose2{100.0, 100.0, 0.0};
+    poses.push_back(people.PosesAt(t, X_now, states)[0]);
+    people.Meet(t, kStep, X_now, &states);
+  }
+  return poses;
+}
+
+double LeastGap(const std::vector<Pose2>& poses, const Pose2& X_WR) {
+  double least = 100.0;
+  for (const Pose2& pose : poses) {
+    least = std::min(least, (pose.position() - X_WR.position()).norm());
+  }
+  return least - kPersonRadius - PeopleOptions().robot_radius;
+}
+
+TEST(People, StepAsideForARobotInTheirWay) {
+  const People people(WithPerson(Walker(false)), {});
+  const Pose2 X_WR{4.0, 2.0, 0.0};
+  const auto poses = WalkedPast(people, X_WR, 100.0);
+  // Steps of 5 mm.
+  EXPECT_GT(LeastGap(poses, X_WR), People::kPassGap - 0.006);
+  // Past it at the usual pace, and on the path again.
+  ExpectAt(poses[1000], 6.0, 3.0, kPi / 2.0);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const double way = (poses[i].position() - poses[i - 1].position()).norm();
+    EXPECT_LE(way, 0.01 * (0.5 + People::kAsideSpeed) + 1e-9);
+  }
+}
+
+TEST(People, WhereThereIsNoRoomStopGoBackAndGoOnWhenItIsGone) {
+  World world = WithPerson(Walker(false));
+  // Fits one person.
+  world.rooms = {RectangleRoom("a", 0.0, 1.73, 12.0, 2.27, 2.5)};
+  world.people[0].path = {{2.0, 2.0}, {10.0, 2.0}};
+  const People people(world, {});
+  const Pose2 X_WR{5.0, 2.0, 0.0};
+  const double stop =
+      5.0 - kPersonRadius - PeopleOptions().robot_radius - People::kWaitGap;
+  const auto poses = WalkedPast(people, X_WR, 20.0);
+  const std::vector<Pose2> with_robot(poses.begin(), poses.begin() + 2000);
+  EXPECT_GT(LeastGap(with_robot, X_WR), People::kWaitGap - 0.006);
+  EXPECT_NEAR(poses[500].x, stop, 0.006);  // Waits.
+  EXPECT_NEAR(poses[650].x, stop, 0.006);
+  EXPECT_LT(poses[800].x, stop - 0.3);            // Has gone back.
+  EXPECT_GT(poses[2900].x, poses[2000].x + 4.4);  // Walks on.
+}
+
+TEST(People, WalkOnPastARobotBesideOrBehindThem) {
+  const People people(WithPerson(Walker(false)), {});
+  const double beside =
+      kPersonRadius + PeopleOptions().robot_radius + People::kPassGap + 0.001;
+  for (const Pose2& X_WR : {Pose2{4.0, 2.0 + beside, 0.0},
+                            Pose2{4.0, 2.0 - beside, 0.0},
+                            Pose2{1.4, 2.0, 0.0}}) {
+    EXPECT_EQ(WalkedPast(people, X_WR, 6.0)[600], people.PosesAt(6.0, {})[0]);
+  }
+}
+
+TEST(People, WhoDoesNotWalkMindsNoRobot) {
+  World world = WithPerson(Companion(0.0));
+  world.people.push_back({});
+  const People people(world, {});
+  std::vector<PersonState> states;
+  people.Meet(1.0, 0.1, {0.1, 0.0, 0.0}, &states);
+  ASSERT_EQ(states.size(), 2u);
+  for (const PersonState& state : states) {
+    EXPECT_EQ(state.waited_s, 0.0);
+    EXPECT_EQ(state.aside_W.norm(), 0.0);
+  }
 }
 
 TEST(People, StandWhereTheyAreToldTo) {
