@@ -30,10 +30,11 @@ constexpr int kRoundPillarSides = 32;
 
 class SceneBuilder {
  public:
-  explicit SceneBuilder(const World& world)
+  SceneBuilder(const World& world, SceneLooks looks)
       : world_(world),
+        looks_(looks),
         layout_(ResolveLayout(world)),
-        finishes_(world, &scene_) {}
+        finishes_(world, looks == SceneLooks::kPlain, &scene_) {}
 
   Scene Run() {
     scene_.ambient = Eigen::Vector3d::Constant(kAmbient * world_.ambient);
@@ -51,7 +52,9 @@ class SceneBuilder {
       AddLamp(lamp.at, lamp.size, lamp.light);
     }
     for (const WorldModel& model : world_.models) AddModel(model);
-    for (const WorldPerson& person : world_.people) AddPerson(person);
+    if (looks_ == SceneLooks::kDrawn) {
+      for (const WorldPerson& person : world_.people) AddPerson(person);
+    }
     Check();
     return std::move(scene_);
   }
@@ -258,6 +261,7 @@ class SceneBuilder {
   }
 
   const World& world_;
+  SceneLooks looks_;
   Scene scene_;
   Layout layout_;
   Finishes finishes_;
@@ -265,8 +269,8 @@ class SceneBuilder {
 
 }  // namespace
 
-Scene BuildScene(const World& world) {
-  return SceneBuilder(world).Run();
+Scene BuildScene(const World& world, SceneLooks looks) {
+  return SceneBuilder(world, looks).Run();
 }
 
 }  // namespace waymark

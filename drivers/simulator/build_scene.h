@@ -4,7 +4,11 @@
 #include "drivers/simulator/scene.h"
 #include "drivers/simulator/world.h"
 
+#include <cstdint>
+
 namespace waymark {
+
+enum class SceneLooks : std::uint8_t { kDrawn, kPlain };
 
 // Movers are the people in the order of World::people; the scene passes
 // CheckScene(). Same world, same bytes.
@@ -13,6 +17,10 @@ namespace waymark {
 // not fit together (world_layout.h), a picture hangs over a door or past its
 // wall, a material is unknown or a file cannot be used. Some 0.1 s per texture
 // that is new, mesh files aside.
-[[nodiscard]] Scene BuildScene(const World& world);
+//
+// Where nobody looks, plain looks save nearly all of that time: one grey for
+// everything, no people. The mesh has its triangles and corners all the same.
+[[nodiscard]] Scene BuildScene(const World& world,
+                               SceneLooks looks = SceneLooks::kDrawn);
 
 }  // namespace waymark

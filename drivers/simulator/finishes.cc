@@ -78,6 +78,7 @@ Finish Finishes::Add(const std::string& name,
 Finish Finishes::Make(const WorldLook& look,
                       const std::string& name,
                       const std::string& where) {
+  if (is_plain_) return Plain(cv::Vec3b::all(160));
   if (!look.image.empty()) {
     return Add(name, ReadImage(look.image, where), look.image_size, false);
   }

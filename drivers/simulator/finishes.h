@@ -21,8 +21,10 @@ namespace waymark {
 // Makes each texture once, when it is first asked for.
 class Finishes {
  public:
-  // Both must outlive it.
-  Finishes(const World& world, Scene* scene) : world_(world), scene_(scene) {}
+  // Plain: everything is one grey, nothing is drawn or read. World and scene
+  // must outlive it.
+  Finishes(const World& world, bool is_plain, Scene* scene)
+      : world_(world), is_plain_(is_plain), scene_(scene) {}
 
   // Throws InputError naming `where` and `key` for a name unknown, and an image
   // that cannot be read.
@@ -49,6 +51,7 @@ class Finishes {
              bool is_one_piece);
 
   const World& world_;
+  bool is_plain_;
   Scene* scene_;
   std::map<std::string, Finish> made_;
 };

@@ -1,12 +1,18 @@
 #include "processes/convert/world_file.h"
 
+#include "drivers/simulator/random_world.h"
 #include "estimation/base/input_error.h"
 #include "processes/convert/world_reader.h"
 #include "processes/support/shipped_file.h"
 #include "processes/support/yaml_group.h"
 
+#include <charconv>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <string>
+#include <system_error>
 
 namespace waymark {
 namespace {
@@ -14,6 +20,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxBases = 8;  // Files built upon each other.
+
+// nullopt for the name of a file.
+std::optional<std::uint64_t> RandomSeedOf(const std::string& name) {
+  if (!name.starts_with(kRandomWorld)) return std::nullopt;
+  const char* begin = name.data() + kRandomWorld.size();
+  const char* end = name.data() + name.size();
+  std::uint64_t seed = 0;
+  const auto [last, error] = std::from_chars(begin, end, seed);
+  if (begin == end || last != end || error != std::errc()) {
+    throw InputError("world '" + name +
+                     "': after random: must follow a whole number, 0 to " +
+                     std::to_string(std::numeric_limits<std::uint64_t>::max()));
+  }
+  return seed;
+}
 
 void ReadWorld(const std::string& yaml,
                const std::string& source,
@@ -47,10 +68,12 @@ World WorldFromYaml(const std::string& yaml, const std::string& source) {
 }
 
 World LoadWorldFile(const std::string& path) {
+  if (const auto seed = RandomSeedOf(path)) return RandomWorld(*seed);
   return WorldFromYaml(ReadTextFile(path), path);
 }
 
 std::string FindWorldFile(const std::string& name) {
+  if (RandomSeedOf(name)) return name;
   return FindShippedFile(name, "worlds", "drivers/simulator/worlds", ".yaml");
 }
 

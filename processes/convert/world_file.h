@@ -4,6 +4,7 @@
 #include "drivers/simulator/world.h"
 
 #include <string>
+#include <string_view>
 
 namespace waymark {
 
@@ -20,7 +21,11 @@ namespace waymark {
 [[nodiscard]] World WorldFromYaml(const std::string& yaml,
                                   const std::string& source);
 
-// As FindShippedFile(): "office_u" or a path.
+// As FindShippedFile(): "office_u" or a path. "random:17" is found too, and is
+// what LoadWorldFile() takes for RandomWorld(17); throws InputError where no
+// number from 0 on follows.
 [[nodiscard]] std::string FindWorldFile(const std::string& name);
+// What the names of random worlds begin with.
+inline constexpr std::string_view kRandomWorld = "random:";
 
 }  // namespace waymark

@@ -103,7 +103,9 @@ SimulatorConfig::SimulatorConfig() {
 }
 
 void SimulatorConfig::Describe(Describer& d) {
-  d.Text("world", &world, "World file, or one that comes with Waymark");
+  d.Text("world",
+         &world,
+         "World file, or one that comes with Waymark, or random:SEED");
   d.Numbers("start",
             &start,
             3,

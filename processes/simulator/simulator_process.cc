@@ -42,13 +42,20 @@ std::optional<RangeSensorOptions> RangeOptions(const SimulatorConfig& config) {
   return options;
 }
 
+// The walls are there for the robot, their looks for cameras alone.
+SceneLooks LooksFor(const SimulatorConfig& config) {
+  return config.camera.name.empty() && config.second_camera.name.empty()
+             ? SceneLooks::kPlain
+             : SceneLooks::kDrawn;
+}
+
 }  // namespace
 
 SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
     : config_(config),
       bus_(bus),
       world_(LoadWorldFile(FindWorldFile(config.world))),
-      scene_(BuildScene(world_)),
+      scene_(BuildScene(world_, LooksFor(config))),
       map_(OutlineOfMesh(scene_.mesh, HeightBand{})),
       people_(world_, PeopleOptions{config.robot.radius}),
       range_options_(RangeOptions(config)),

@@ -105,7 +105,9 @@ void DriveExperimentConfig::Describe(Describer& d) {
       },
       "Stand in for localisation by sight");
   d.Group(
-      "simulator", [&] { simulator.Describe(d); }, "seed and start vary");
+      "simulator",
+      [&] { simulator.Describe(d); },
+      "seed and start vary; world: random is another one for every seed");
   d.Group(
       "pose_filter",
       [&] { pose_filter.Describe(d); },
@@ -130,8 +132,7 @@ void DriveExperimentConfig::Check() const {
 void DriveExperiment::Prepare() {
   config_.Check();
   config_.task.radius = config_.simulator.robot.radius;
-  world_ = LoadExperimentWorld(config_.simulator);
-  tasks_.emplace(*world_.map, config_.task, world_.start_W);
+  tasks_.emplace(config_.simulator, config_.task);
 }
 
 RunResult DriveExperiment::Run(std::uint64_t seed,

@@ -47,8 +47,7 @@ class DriveExperiment final : public Experiment {
 
  private:
   DriveExperimentConfig config_;
-  ExperimentWorld world_;
-  std::optional<DriveTaskMaker> tasks_;
+  std::optional<ExperimentTasks> tasks_;
 };
 
 }  // namespace waymark

@@ -6,14 +6,15 @@
 #include "estimation/geometry/angle.h"
 #include "processes/convert/world_file.h"
 
+#include <string>
 #include <vector>
 
 namespace waymark {
+namespace {
 
-ExperimentWorld LoadExperimentWorld(const SimulatorConfig& config) {
-  const World world = LoadWorldFile(FindWorldFile(config.world));
+std::vector<Segment2> SegmentsOf(const World& world) {
   std::vector<Segment2> segments =
-      OutlineOfMesh(BuildScene(world).mesh, HeightBand{});
+      OutlineOfMesh(BuildScene(world, SceneLooks::kPlain).mesh, HeightBand{});
   for (const WorldPerson& person : world.people) {
     if (person.motion != PersonMotion::kStand) continue;
     // The square about the person.
@@ -25,14 +26,40 @@ ExperimentWorld LoadExperimentWorld(const SimulatorConfig& config) {
     segments.push_back({p + corner, p - other});
     segments.push_back({p - other, p - corner});
   }
-  ExperimentWorld result;
-  result.map = std::make_unique<ObstacleMap>(std::move(segments));
-  if (!config.start.empty()) {
-    result.start_W = {config.start[0], config.start[1]};
-  } else if (!world.starts.empty()) {
-    result.start_W = world.starts.front().X_WR.position();
+  return segments;
+}
+
+// Free; its usual one.
+Eigen::Vector2d StartOf(const SimulatorConfig& config, const World& world) {
+  if (!config.start.empty()) return {config.start[0], config.start[1]};
+  if (!world.starts.empty()) return world.starts.front().X_WR.position();
+  return Eigen::Vector2d::Zero();
+}
+
+}  // namespace
+
+ExperimentTasks::World::World(const SimulatorConfig& config,
+                              const DriveTaskOptions& options)
+    : World(config, options, LoadWorldFile(FindWorldFile(config.world))) {}
+
+ExperimentTasks::World::World(const SimulatorConfig& config,
+                              const DriveTaskOptions& options,
+                              const waymark::World& world)
+    : map(SegmentsOf(world)), tasks(map, options, StartOf(config, world)) {}
+
+ExperimentTasks::ExperimentTasks(const SimulatorConfig& config,
+                                 const DriveTaskOptions& options)
+    : config_(config), options_(options) {
+  if (config.world != kWorldPerSeed) {
+    world_ = std::make_unique<World>(config, options);
   }
-  return result;
+}
+
+DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
+  if (world_) return world_->tasks.Make(seed);
+  SimulatorConfig own = WithStart(config_, {}, seed);
+  own.start = config_.start;
+  return World(own, options_).tasks.Make(seed);
 }
 
 SimulatorConfig SimulatorWithoutVision() {
@@ -49,6 +76,9 @@ SimulatorConfig WithStart(const SimulatorConfig& config,
   SimulatorConfig own = config;
   own.start = {X_WR.x, X_WR.y, DegreesFromRadians(X_WR.heading)};
   own.seed = static_cast<std::int64_t>(seed);
+  if (own.world == kWorldPerSeed) {
+    own.world = std::string(kRandomWorld) + std::to_string(seed);
+  }
   return own;
 }
 

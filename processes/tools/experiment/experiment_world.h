@@ -2,30 +2,51 @@
 #pragma once
 
 #include "drivers/simulator/obstacle_map.h"
+#include "drivers/simulator/world.h"
 #include "processes/pose_filter/pose_filter_config.h"
 #include "processes/simulator/simulator_config.h"
 #include "processes/tools/experiment/drive_task.h"
 
-#include <Eigen/Core>
-
 #include <cstdint>
 #include <memory>
+#include <string_view>
 
 namespace waymark {
 
-// A world as a planner knows it: its walls and furniture, and who stands there.
-struct ExperimentWorld {
-  std::unique_ptr<ObstacleMap> map;
-  Eigen::Vector2d start_W = Eigen::Vector2d::Zero();  // Free; its usual one.
-};
+// As SimulatorConfig::world: each run has a random world of its own.
+inline constexpr std::string_view kWorldPerSeed = "random";
 
-// Throws InputError as LoadWorldFile() and BuildScene() do.
-[[nodiscard]] ExperimentWorld LoadExperimentWorld(
-    const SimulatorConfig& config);
+// Where runs start and drive to, in the world that a planner knows: walls and
+// furniture, and who stands there.
+class ExperimentTasks {
+ public:
+  // Throws InputError as LoadWorldFile() and BuildScene() do, and
+  // std::invalid_argument as DriveTaskMaker.
+  ExperimentTasks(const SimulatorConfig& config,
+                  const DriveTaskOptions& options);
+
+  // As DriveTaskMaker::Make().
+  [[nodiscard]] DriveTask Make(std::uint64_t seed) const;
+
+ private:
+  struct World {
+    World(const SimulatorConfig& config, const DriveTaskOptions& options);
+    World(const SimulatorConfig& config,
+          const DriveTaskOptions& options,
+          const waymark::World& world);
+
+    ObstacleMap map;
+    DriveTaskMaker tasks;
+  };
+
+  SimulatorConfig config_;
+  DriveTaskOptions options_;
+  std::unique_ptr<World> world_;  // Null where each run has its own.
+};
 
 // Changes that every experiment makes: no cameras, a lidar, no state file.
 [[nodiscard]] SimulatorConfig SimulatorWithoutVision();
-// One run's own seed and start.
+// One run's own seed and start, and world where that is random.
 [[nodiscard]] SimulatorConfig WithStart(const SimulatorConfig& config,
                                         const Pose2& X_WR,
                                         std::uint64_t seed);

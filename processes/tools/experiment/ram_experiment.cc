@@ -23,7 +23,9 @@ void RamExperimentConfig::Describe(Describer& d) {
   d.Number("duration_s", &duration_s, {1.0, 100000.0}, "Simulated time");
   d.Number("period_s", &period_s, {0.1, 1000.0}, "A new direction so often");
   d.Group(
-      "simulator", [&] { simulator.Describe(d); }, "seed and start vary");
+      "simulator",
+      [&] { simulator.Describe(d); },
+      "seed and start vary; world: random is another one for every seed");
   d.Group(
       "collision_guard",
       [&] { collision_guard.Describe(d); },
@@ -37,13 +39,12 @@ void RamExperimentConfig::Check() const {
 
 void RamExperiment::Prepare() {
   config_.Check();
-  world_ = LoadExperimentWorld(config_.simulator);
   DriveTaskOptions options;
   options.radius = config_.simulator.robot.radius;
   options.min_way = 0.0;
   options.max_way = 1000.0;
   options.num_goals = 1;
-  tasks_.emplace(*world_.map, options, world_.start_W);
+  tasks_.emplace(config_.simulator, options);
 }
 
 RunResult RamExperiment::Run(std::uint64_t seed,

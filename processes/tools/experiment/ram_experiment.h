@@ -37,8 +37,7 @@ class RamExperiment final : public Experiment {
 
  private:
   RamExperimentConfig config_;
-  ExperimentWorld world_;
-  std::optional<DriveTaskMaker> tasks_;  // For where to start.
+  std::optional<ExperimentTasks> tasks_;  // For where to start.
 };
 
 }  // namespace waymark

@@ -1,6 +1,7 @@
 #include "drivers/simulator/build_scene.h"
 
 #include "drivers/simulator/build_furniture.h"
+#include "drivers/simulator/random_world.h"
 #include "drivers/simulator/walk_area.h"
 #include "estimation/base/input_error.h"
 #include "tests/support/temporary_directory.h"
@@ -353,6 +354,28 @@ TEST(BuildScene, RefusesWhatItCannotBuild) {
   world.pillars[0].where = "w.yaml:9: pillars[0]";
   world.pillars[0].at << -5.0, 0.0;
   EXPECT_EQ(error_of(world), "w.yaml:9: pillars[0]: at: is in no room");
+}
+
+TEST(BuildScene, RandomWorldsAreClosed) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const Scene scene = BuildScene(RandomWorld(seed), SceneLooks::kPlain);
+    EXPECT_EQ(OpenEdges(scene), 0) << seed;
+  }
+}
+
+TEST(BuildScene, PlainLooksAreTheSameMesh) {
+  const World world = TwoRoomsAndCorridor();
+  const Scene drawn = BuildScene(world);
+  const Scene plain = BuildScene(world, SceneLooks::kPlain);
+  EXPECT_EQ(plain.mesh.positions, drawn.mesh.positions);
+  ASSERT_EQ(plain.mesh.triangles.size(), drawn.mesh.triangles.size());
+  for (std::size_t i = 0; i < plain.mesh.triangles.size(); ++i) {
+    EXPECT_EQ(plain.mesh.triangles[i].vertices,
+              drawn.mesh.triangles[i].vertices);
+  }
+  for (const SceneMaterial& material : plain.materials) {
+    EXPECT_EQ(material.texture.total(), 1u) << material.name;
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "processes/convert/world_file.h"
 
 #include "drivers/simulator/build_scene.h"
+#include "drivers/simulator/random_world.h"
 #include "estimation/base/input_error.h"
 
 #include <gmock/gmock.h>
@@ -195,6 +196,29 @@ TEST(WorldFile, FindsShippedWorldsByName) {
     EXPECT_THAT(error.what(),
                 StartsWith("'no_such_world' is neither a file nor one of"));
     EXPECT_THAT(error.what(), HasSubstr("corridor_plain, corridor_textured"));
+  }
+}
+
+TEST(WorldFile, RandomWorldsHaveNamesInPlaceOfFiles) {
+  EXPECT_EQ(FindWorldFile("random:17"), "random:17");
+  const World world = LoadWorldFile("random:17");
+  EXPECT_EQ(world.source, "random:17");
+  EXPECT_EQ(world.starts[0].X_WR, RandomWorld(17).starts[0].X_WR);
+  for (const char* name : {"random:",
+                           "random:x",
+                           "random:-1",
+                           "random:1.5",
+                           "random:1 ",
+                           "random:18446744073709551616"}) {
+    try {
+      (void)FindWorldFile(name);
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()),
+                "world '" + std::string(name) +
+                    "': after random: must follow a whole number, 0 to "
+                    "18446744073709551615");
+    }
   }
 }
 

@@ -22,7 +22,7 @@ rooms:
   - {name: west, rectangle: [0, 0, 5, 4], height: 2.5}
   - {name: east, rectangle: [5.1, 0, 10.1, 4], height: 2.5}
 openings:
-  - {room: west, wall: east, at: 2, width: 0.95}
+  - {room: west, wall: east, at: 2, width: 0.9}
 pillars:
   - {at: [2.5, 2.2], shape: square, size: 0.4}
 furniture:
@@ -58,6 +58,16 @@ TEST_F(ExperimentsTest, DrivesThroughTheDoorToItsGoals) {
     EXPECT_EQ(result.num_touches, 0);
     EXPECT_GT(result.way_m, 0.98 * result.shortest_m);
     EXPECT_LT(result.way_m, 1.2 * result.shortest_m);
+  }
+}
+
+TEST_F(ExperimentsTest, DrivesThroughTheDoorBySonar) {
+  DriveExperiment drive;
+  Prepare(&drive, {"simulator.ranges.kind=sonar"});
+  for (const std::uint64_t seed : {1u, 2u}) {
+    const RunResult result = drive.Run(seed, "");
+    EXPECT_TRUE(result.is_success) << result.reason;
+    EXPECT_EQ(result.num_touches, 0);
   }
 }
 
@@ -102,6 +112,33 @@ TEST_F(ExperimentsTest, BehindTheGuardNothingIsTouched) {
     way += result.way_m;
   }
   EXPECT_GT(way, 4.0);  // It does move.
+}
+
+// The thousands of the README, in small.
+TEST_F(ExperimentsTest, InRandomWorldsNothingIsTouched) {
+  for (const char* kind : {"sonar", "lidar"}) {
+    RamExperiment ram;
+    Prepare(&ram,
+            {"simulator.world=random",
+             std::string("simulator.ranges.kind=") + kind,
+             "duration_s=20"});
+    double way = 0.0;
+    for (std::uint64_t seed = 1001; seed <= 1040; ++seed) {
+      const RunResult result = ram.Run(seed, "");
+      EXPECT_EQ(result.num_touches, 0) << kind << ", world random:" << seed;
+      way += result.way_m;
+    }
+    EXPECT_GT(way, 40.0) << kind;
+  }
+}
+
+// They walk, wait and step aside.
+TEST_F(ExperimentsTest, AmongPeopleWhoWalkNothingIsTouched) {
+  RamExperiment ram;
+  Prepare(&ram, {"simulator.world=corridor_office"});
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_EQ(ram.Run(seed, "").num_touches, 0) << seed;
+  }
 }
 
 TEST(DriveTask, GoalsAreReachableAndTheirWaysAsLongAsAskedFor) {
