@@ -4,13 +4,16 @@
 #include "estimation/camera/camera_model.h"
 #include "estimation/camera/image_remap.h"
 
+#include <Eigen/Core>
+
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace waymark {
 
-// Blocks of 4 x 2 pixels, row by row, which are traced together. Costs 324
-// bytes for 8 pixels and one RayFromPixel a pixel.
+// Blocks of 4 x 2 pixels, row by row, which are traced together, in tiles of
+// 16 x 16. Costs 320 bytes for 8 pixels and one RayFromPixel a pixel.
 class CameraRays {
  public:
   static constexpr int kBlockWidth = 4;
@@ -27,6 +30,13 @@ class CameraRays {
     std::uint32_t valid = 0;
   };
 
+  // A cone about all rays through the pixels of a tile, borders included.
+  struct Cone {
+    Eigen::Vector3f axis_C = Eigen::Vector3f::UnitZ();
+    float half_angle = -1.0f;  // Below 0: the tile has no rays.
+  };
+  static constexpr int kTileSize = 16;  // Pixels: whole blocks.
+
   // Throws std::invalid_argument where the size is not positive.
   explicit CameraRays(const CameraView& view);
 
@@ -39,12 +49,22 @@ class CameraRays {
                        static_cast<std::size_t>(num_columns_) +
                    static_cast<std::size_t>(column)];
   }
+  [[nodiscard]] const std::vector<Cone>& cones() const { return cones_; }
+  // Index of `cones` for a pixel.
+  [[nodiscard]] std::size_t TileOf(int x, int y) const {
+    return static_cast<std::size_t>(y / kTileSize) * tiles_per_row_ +
+           static_cast<std::size_t>(x / kTileSize);
+  }
 
  private:
+  void MakeCones();
+
   CameraView view_;
   int num_columns_ = 0;
   int num_rows_ = 0;
   std::vector<Block> blocks_;
+  std::size_t tiles_per_row_ = 0;
+  std::vector<Cone> cones_;
 };
 
 }  // namespace waymark

@@ -1,5 +1,6 @@
 #include "drivers/simulator/ray_caster.h"
 
+#include "drivers/simulator/simd.h"
 #include "estimation/base/check.h"
 
 #include <embree3/rtcore.h>
@@ -7,6 +8,8 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cstddef>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -107,23 +110,36 @@ SceneHandle BuildMesh(RTCDevice device,
   return handle;
 }
 
-void CopyRays(const RayPacket& packet, RTCRay8* rays, int* valid) {
-  std::copy_n(packet.origin[0], kLanes, rays->org_x);
-  std::copy_n(packet.origin[1], kLanes, rays->org_y);
-  std::copy_n(packet.origin[2], kLanes, rays->org_z);
-  std::copy_n(packet.nearest, kLanes, rays->tnear);
-  std::copy_n(packet.direction[0], kLanes, rays->dir_x);
-  std::copy_n(packet.direction[1], kLanes, rays->dir_y);
-  std::copy_n(packet.direction[2], kLanes, rays->dir_z);
-  std::copy_n(packet.farthest, kLanes, rays->tfar);
-  for (int i = 0; i < kLanes; ++i) {
-    valid[i] = (packet.active >> i & 1u) != 0 ? -1 : 0;
-    rays->time[i] = 0.0f;
-    rays->mask[i] = ~0u;
-    rays->id[i] = 0;
-    rays->flags[i] = 0;
+static_assert(offsetof(RayPacket, direction) == offsetof(RTCRay8, dir_x));
+static_assert(offsetof(RayPacket, distance) == offsetof(RTCRay8, tfar));
+static_assert(offsetof(RayPacket, unused_out) == sizeof(RTCRay8));
+static_assert(offsetof(RayPacket, triangle) ==
+              offsetof(RTCRayHit8, hit) + offsetof(RTCHit8, primID));
+static_assert(offsetof(RayPacket, mover) ==
+              offsetof(RTCRayHit8, hit) + offsetof(RTCHit8, instID));
+static_assert(offsetof(RayPacket, farthest) == sizeof(RTCRayHit8));
+// Where nothing was met the IDs are the ones set before.
+static_assert(RTC_INVALID_GEOMETRY_ID == RayPacket::kNothing);
+static_assert(std::bit_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID) ==
+              RayPacket::kStatic);
+
+// Embree's form of the active lanes: -1, others 0.
+struct alignas(32) ValidLanes {
+  Int4 low;
+  Int4 high;
+
+  explicit ValidLanes(std::uint32_t active) {
+    const auto bits = static_cast<std::int32_t>(active);
+    const Int4 all{bits, bits, bits, bits};
+    const Int4 first{1, 2, 4, 8};
+    const Int4 second{16, 32, 64, 128};
+    low = (all & first) == first;
+    high = (all & second) == second;
   }
-}
+  [[nodiscard]] const int* data() const {
+    return reinterpret_cast<const int*>(this);
+  }
+};
 
 RTCIntersectContext ContextOf(const RayPacket& packet) {
   RTCIntersectContext context;
@@ -131,56 +147,6 @@ RTCIntersectContext ContextOf(const RayPacket& packet) {
   context.flags = packet.is_coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
                                      : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   return context;
-}
-
-// A ball that holds a mesh.
-struct Ball {
-  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-  double radius = 0.0;
-};
-
-Ball BallAbout(const SceneMesh& mesh) {
-  if (mesh.positions.empty()) return {};
-  Eigen::Vector3f low = mesh.positions[0];
-  Eigen::Vector3f high = low;
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const Eigen::Vector3d middle =
-      0.5 * (low.cast<double>() + high.cast<double>());
-  double radius = 0.0;
-  for (const Eigen::Vector3f& p : mesh.positions) {
-    radius = std::max(radius, (p.cast<double>() - middle).norm());
-  }
-  return {middle, radius};
-}
-
-// Lanes whose lines come near a ball. Most packets come near no mover, which is
-// told sooner here than by Embree's hierarchy of instances.
-std::uint32_t LanesNear(const RayPacket& packet, const Ball& ball) {
-  // More than float roundings take away.
-  const auto radius = static_cast<float>(1.001 * ball.radius + 1e-3);
-  float outside[kLanes];
-  for (int i = 0; i < kLanes; ++i) {
-    const float x = static_cast<float>(ball.middle.x()) - packet.origin[0][i];
-    const float y = static_cast<float>(ball.middle.y()) - packet.origin[1][i];
-    const float z = static_cast<float>(ball.middle.z()) - packet.origin[2][i];
-    const float along = x * packet.direction[0][i] +
-                        y * packet.direction[1][i] + z * packet.direction[2][i];
-    const float square = packet.direction[0][i] * packet.direction[0][i] +
-                         packet.direction[1][i] * packet.direction[1][i] +
-                         packet.direction[2][i] * packet.direction[2][i];
-    // Square of the distance from the line, times that of the direction.
-    outside[i] =
-        (x * x + y * y + z * z - radius * radius) * square - along * along;
-  }
-  std::uint32_t lanes = 0;
-  for (int i = 0; i < kLanes; ++i) {
-    // NaN counts as near.
-    lanes |= outside[i] > 0.0f ? 0u : 1u << i;
-  }
-  return lanes;
 }
 
 }  // namespace
@@ -191,7 +157,6 @@ struct RayCaster::State {
   RTCDevice device = nullptr;
   SceneHandle mesh;
   std::vector<SceneHandle> movers;
-  std::vector<Ball> balls;  // About the movers, in their frames.
 
   State() = default;
   State(const State&) = delete;
@@ -205,7 +170,6 @@ struct RayCaster::State {
 
 struct RayCaster::Placement::State {
   SceneHandle scene;
-  std::vector<Ball> balls;  // In W.
 };
 
 RayCaster::RayCaster(const Scene& scene, Content content)
@@ -220,7 +184,6 @@ RayCaster::RayCaster(const Scene& scene, Content content)
   for (const SceneMover& mover : scene.movers) {
     state_->movers.push_back(
         BuildMesh(state_->device, scene, mover.mesh, content));
-    state_->balls.push_back(BallAbout(mover.mesh));
   }
 }
 
@@ -258,8 +221,6 @@ RayCaster::Placement RayCaster::Place(
       rtcAttachGeometryByID(
           placed->scene.get(), instance, static_cast<unsigned>(i));
       rtcReleaseGeometry(instance);
-      placed->balls.push_back(
-          {X_WP[i] * state_->balls[i].middle, state_->balls[i].radius});
     }
     rtcCommitScene(placed->scene.get());
     ThrowOnError(state_->device);
@@ -268,42 +229,26 @@ RayCaster::Placement RayCaster::Place(
 }
 
 void RayCaster::Trace(RayPacket* packet, const Placement* placement) const {
-  RTCRayHit8 hits;
-  alignas(32) int valid[kLanes];
-  CopyRays(*packet, &hits.ray, valid);
-  for (int i = 0; i < kLanes; ++i) {
-    hits.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-    hits.hit.primID[i] = RTC_INVALID_GEOMETRY_ID;
-    hits.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  }
+  std::memcpy(packet->distance, packet->farthest, sizeof packet->distance);
+  std::fill_n(packet->triangle, kLanes, RTC_INVALID_GEOMETRY_ID);
+  std::fill_n(packet->unused_geometry, kLanes, RTC_INVALID_GEOMETRY_ID);
+  std::fill_n(packet->mover, kLanes, RayPacket::kStatic);
+  const ValidLanes valid(packet->active);
+  auto* hits = reinterpret_cast<RTCRayHit8*>(packet);
   RTCIntersectContext context = ContextOf(*packet);
-  rtcIntersect8(valid, state_->mesh.get(), &context, &hits);
-  if (placement != nullptr) {
-    std::uint32_t near = 0;
-    for (const Ball& ball : placement->state_->balls) {
-      near |= LanesNear(*packet, ball);
-    }
-    if ((near & packet->active) != 0) {
-      rtcIntersect8(valid, placement->state_->scene.get(), &context, &hits);
-    }
-  }
-  // Where nothing was met the IDs are the ones set above.
-  static_assert(RTC_INVALID_GEOMETRY_ID == RayPacket::kNothing);
-  static_assert(std::bit_cast<std::int32_t>(RTC_INVALID_GEOMETRY_ID) ==
-                RayPacket::kStatic);
-  for (int i = 0; i < kLanes; ++i) {
-    packet->triangle[i] = hits.hit.primID[i];
-    packet->distance[i] = hits.ray.tfar[i];
-    packet->mover[i] = static_cast<std::int32_t>(hits.hit.instID[0][i]);
+  rtcIntersect8(valid.data(), state_->mesh.get(), &context, hits);
+  if (placement != nullptr && placement->state_->scene.get() != nullptr) {
+    rtcIntersect8(valid.data(), placement->state_->scene.get(), &context, hits);
   }
 }
 
 std::uint32_t RayCaster::Occluded(const RayPacket& packet) const {
   RTCRay8 rays;
-  alignas(32) int valid[kLanes];
-  CopyRays(packet, &rays, valid);
+  std::memcpy(&rays, &packet, sizeof rays);
+  std::memcpy(rays.tfar, packet.farthest, sizeof rays.tfar);
+  const ValidLanes valid(packet.active);
   RTCIntersectContext context = ContextOf(packet);
-  rtcOccluded8(valid, state_->mesh.get(), &context, &rays);
+  rtcOccluded8(valid.data(), state_->mesh.get(), &context, &rays);
   std::uint32_t occluded = 0;
   for (int i = 0; i < kLanes; ++i) {
     // Embree marks them by an end before the start.

@@ -13,27 +13,35 @@
 
 namespace waymark {
 
-// Eight rays, and what they meet.
+// Eight rays, and what they meet: as Embree lays them out, so that nothing is
+// copied. Made once, used for many packets.
 struct alignas(32) RayPacket {
   static constexpr int kLanes = 8;
   static constexpr std::uint32_t kAllLanes = 0xFF;
   static constexpr std::uint32_t kNothing = 0xFFFFFFFF;
   static constexpr std::int32_t kStatic = -1;
 
-  // In: the ray from `nearest` to `farthest` (in lengths of the direction).
+  // In: the ray from `nearest` on (in lengths of the direction).
   float origin[3][kLanes];
-  float direction[3][kLanes];
   float nearest[kLanes];
-  float farthest[kLanes];
+  float direction[3][kLanes];
+  float unused_time[kLanes]{};
+  // Out, where something was met: where (in lengths of the direction).
+  float distance[kLanes];
+  std::uint32_t unused_mask[kLanes] = {~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u};
+  std::uint32_t unused_flags[2][kLanes]{};
+  float unused_out[5][kLanes];
+  // Out: index in the mesh's triangles; kNothing where nothing was met and in
+  // lanes that are not active.
+  std::uint32_t triangle[kLanes];
+  std::uint32_t unused_geometry[kLanes];
+  // Out, where something was met: whose: kStatic or the index of a mover.
+  std::int32_t mover[kLanes];
+
+  // In.
+  float farthest[kLanes];            // The end (in lengths of the direction).
   std::uint32_t active = kAllLanes;  // Bit i: lane i is traced.
   bool is_coherent = true;           // The rays start and go about alike.
-
-  // Out, of active lanes: index in the mesh's triangles or kNothing; then
-  // where (in lengths of the direction), and whose: kStatic or the index of a
-  // mover.
-  std::uint32_t triangle[kLanes];
-  float distance[kLanes];
-  std::int32_t mover[kLanes];
 };
 
 // Triangles of a scene in Embree's hierarchy, built with high quality and

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <vector>
 
@@ -15,160 +16,182 @@ namespace {
 constexpr int kLanes = RayPacket::kLanes;
 static_assert(kLanes == CameraRays::kLanes);
 
-// What the centre of a pixel sees.
-struct PixelHit {
-  std::uint32_t triangle = RayPacket::kNothing;
-  std::int32_t mover = RayPacket::kStatic;
-  float distance = 0.0f;
-  bool has_ray = false;
-};
-
-struct Offset {
-  float x = 0.0f;
-  float y = 0.0f;
+// Places of samples, from the centre of their pixel.
+template <std::size_t kNum>
+struct Pattern {
+  static constexpr std::size_t kGroups = kNum / 4;
+  std::array<float, kNum> x{};
+  std::array<float, kNum> y{};
+  // Each stands for a part of the pixel: the root of its area.
+  float footprint_scale = 1.0f;
 };
 
 // A grid turned so that edges near the horizontal and the vertical, which
 // rooms are full of, cross its four samples one by one.
-constexpr std::array<Offset, 4> kLiveOffsets = {
-    Offset{-0.125f, -0.375f},
-    Offset{0.375f, -0.125f},
-    Offset{-0.375f, 0.125f},
-    Offset{0.125f, 0.375f},
-};
-// Each of the four samples stands for a quarter of the pixel's area.
-constexpr float kLiveScale = 0.5f;
-
-// Each of the sixteen stands for a sixteenth.
-constexpr float kStillScale = 0.25f;
+constexpr Pattern<4> kLivePattern = {{-0.125f, 0.375f, -0.375f, 0.125f},
+                                     {-0.375f, -0.125f, 0.125f, 0.375f},
+                                     0.5f};
 
 // One in each of 16 columns and 16 rows, the same both ways from the centre.
 // Of such patterns, found by search, the one whose worst direction of an edge
 // is the best: the share of a pixel on one side of it is off by 0.042 (root
 // mean square over where the edge lies). A grid of 4 x 4 has 0.072 for upright
 // and level edges, which rooms are full of.
-constexpr std::array<Offset, 16> kStillOffsets = [] {
+constexpr Pattern<16> kStillPattern = [] {
   constexpr std::array<int, 16> kRows{
       13, 4, 9, 0, 5, 14, 8, 3, 12, 7, 1, 10, 15, 6, 11, 2};
-  std::array<Offset, 16> offsets{};
-  for (std::size_t i = 0; i < offsets.size(); ++i) {
-    offsets[i] = {(static_cast<float>(i) + 0.5f) / 16.0f - 0.5f,
-                  (static_cast<float>(kRows[i]) + 0.5f) / 16.0f - 0.5f};
+  Pattern<16> pattern;
+  for (std::size_t i = 0; i < kRows.size(); ++i) {
+    pattern.x[i] = (static_cast<float>(i) + 0.5f) / 16.0f - 0.5f;
+    pattern.y[i] = (static_cast<float>(kRows[i]) + 0.5f) / 16.0f - 0.5f;
   }
-  return offsets;
+  pattern.footprint_scale = 0.25f;
+  return pattern;
 }();
-
-// Where colours go, and whether the hits of the centres are needed later.
-struct Targets {
-  cv::Mat3f* linear = nullptr;
-  cv::Mat3b* image = nullptr;
-  const SrgbTable* srgb = nullptr;
-  bool needs_hits = false;
-};
 
 // One call of Render: shared by its threads.
 class Frame {
  public:
   Frame(const RayCaster& caster,
         const SurfaceShader& shader,
+        const SrgbTable& srgb,
         const CameraRays& camera,
         const Eigen::Isometry3d& X_WC,
         std::span<const Eigen::Isometry3d> X_WP,
-        const Targets& targets)
+        const MoverTiles& mover_tiles,
+        RenderedView* out)
       : caster_(caster),
         shader_(shader),
+        srgb_(srgb),
         camera_(camera),
-        R_WC_(X_WC.rotation().cast<float>()),
+        width_(camera.size().width),
+        height_(camera.size().height),
+        R_WC_(X_WC.linear().cast<float>()),
         p_WC_(X_WC.translation()),
         placement_(caster.Place(X_WP)),
-        movers_(shader.Place(X_WP, p_WC_)),
-        targets_(targets) {
-    if (targets.needs_hits) {
-      hits_.resize(static_cast<std::size_t>(camera.size().width) *
-                   static_cast<std::size_t>(camera.size().height));
-    }
+        view_(shader.Place(X_WP, X_WC)),
+        has_movers_(mover_tiles.Near(camera, X_WC, X_WP)),
+        out_(*out) {}
+
+  // Before TraceCentres: Supersample will ask for edges.
+  void KeepHits() {
+    stride_ = static_cast<std::size_t>(camera_.num_block_columns()) *
+              CameraRays::kBlockWidth;
+    const std::size_t num = stride_ * CameraRays::kBlockHeight *
+                            static_cast<std::size_t>(camera_.num_block_rows());
+    ids_.assign(num, kNoRay);
+    distances_.resize(num);
   }
 
-  [[nodiscard]] const PixelHit& hit(int x, int y) const {
-    return hits_[static_cast<std::size_t>(y) *
-                     static_cast<std::size_t>(camera_.size().width) +
-                 static_cast<std::size_t>(x)];
-  }
-
-  // Centres of two rows of pixels; their colours too if `has_colour`.
+  // Centres of two rows of pixels: what was asked for of their geometry; their
+  // colours too if `has_colour`.
   void TraceCentres(int block_row, bool has_colour) {
-    RayFan fan;
-    SetOrigin(p_WC_.cast<float>(), &fan.rays);
-    alignas(32) std::array<Float4, kLanes> colours;
-    for (int column = 0; column < camera_.num_block_columns(); ++column) {
-      const CameraRays::Block& block = camera_.block(block_row, column);
-      if (block.valid == 0) continue;
-      TurnToWorld(block, &fan);
-      Trace(&fan);
-      if (has_colour) shader_.Shade(fan, movers_, 1.0f, colours.data());
-      const int x = column * CameraRays::kBlockWidth;
-      const int y = block_row * CameraRays::kBlockHeight;
-      for (std::uint32_t left = block.valid; left != 0; left &= left - 1u) {
-        const int lane = std::countr_zero(left);
-        const int dx = lane % CameraRays::kBlockWidth;
-        const int dy = lane / CameraRays::kBlockWidth;
-        if (targets_.needs_hits) StoreHit(x + dx, y + dy, fan.rays, lane);
-        if (has_colour) {
-          StoreColour(x + dx, y + dy, colours[static_cast<std::size_t>(lane)]);
-        }
+    // Several packets at each step, so that the processor's pipelines stay
+    // full: a step's work on one does not wait for that on the one before.
+    constexpr int kBatch = 8;
+    std::array<RayPacket, kBatch> batch;
+    for (RayPacket& rays : batch) SetOrigin(p_WC_.cast<float>(), &rays);
+    TrianglesInView triangles(view_);
+    const int num_columns = camera_.num_block_columns();
+    const int y = block_row * CameraRays::kBlockHeight;
+    for (int first = 0; first < num_columns; first += kBatch) {
+      const int num = std::min(kBatch, num_columns - first);
+      for (int i = 0; i < num; ++i) {
+        RayPacket& rays = batch[static_cast<std::size_t>(i)];
+        const int x = (first + i) * CameraRays::kBlockWidth;
+        Trace(camera_.block(block_row, first + i), x, y, &rays);
+        Store(x, y, &rays);
+      }
+      for (int i = 0; i < num && has_colour; ++i) {
+        const CameraRays::Block& block = camera_.block(block_row, first + i);
+        if (block.valid == 0) continue;
+        Colours colours;
+        shader_.Shade(batch[static_cast<std::size_t>(i)],
+                      block,
+                      1.0f,
+                      &triangles,
+                      &colours);
+        StoreColours(
+            (first + i) * CameraRays::kBlockWidth, y, block.valid, colours);
       }
     }
   }
 
-  // Mean of samples at `offsets` from the centres of the pixels of a row for
-  // which `is_wanted`.
-  template <std::size_t kNum, typename Wanted>
-  void Supersample(int y,
-                   const std::array<Offset, kNum>& offsets,
-                   float footprint_scale,
-                   const Wanted& is_wanted) const {
-    // A packet holds samples of several pixels, or a pixel has several packets.
-    constexpr auto kPixels =
-        static_cast<int>(kNum < kLanes ? kLanes / kNum : 1);
-    std::array<int, kPixels> columns{};
-    int num_columns = 0;
-    for (int x = 0; x < camera_.size().width; ++x) {
-      if (hit(x, y).has_ray && is_wanted(x, y)) columns[num_columns++] = x;
-      if (num_columns == kPixels ||
-          (x + 1 == camera_.size().width && num_columns > 0)) {
-        SamplePixels(std::span(columns.data(), num_columns),
-                     y,
-                     std::span(offsets),
-                     footprint_scale);
-        num_columns = 0;
+  // Mean of the samples of each pixel of a row that has a ray.
+  template <std::size_t kNum>
+  void SupersampleRow(int y, const Pattern<kNum>& pattern) const {
+    static_assert(kNum % kLanes == 0);
+    TrianglesInView triangles(view_);
+    for (int x = 0; x < width_; ++x) {
+      if ((BlockOf(x, y).valid >> LaneOf(x, y) & 1u) == 0) continue;
+      Float4 sum{};
+      for (std::size_t g = 0; g < pattern.kGroups; g += 2) {
+        Samples samples;
+        SetSamples(x, y, pattern, g, 0, &samples);
+        SetSamples(x, y, pattern, g + 1, 1, &samples);
+        const Colours colours = Sample(HasMovers(x, y),
+                                       RayPacket::kAllLanes,
+                                       pattern.footprint_scale,
+                                       &samples,
+                                       &triangles);
+        sum += Sum(colours, 0) + Sum(colours, 1);
       }
+      StoreMean(x, y, kNum, sum);
     }
   }
 
-  // Whether a pixel and one of its four neighbours see different surfaces.
-  [[nodiscard]] bool IsEdge(int x, int y) const {
-    const PixelHit& here = hit(x, y);
-    const auto differs = [&](int other_x, int other_y) {
-      if (other_x < 0 || other_y < 0 || other_x >= camera_.size().width ||
-          other_y >= camera_.size().height) {
-        return false;
-      }
-      const PixelHit& other = hit(other_x, other_y);
-      if (other.triangle == here.triangle && other.mover == here.mover) {
-        return false;
-      }
-      return other.has_ray && !AreOneSurface(here, x, y, other);
+  // The same of those pixels of a row at an edge; two at a time.
+  void SupersampleEdges(int y, const Pattern<4>& pattern) const {
+    TrianglesInView triangles(view_);
+    Samples samples;
+    int first = -1;  // Pixel that waits for a second one.
+    const auto finish = [&](int second) {
+      const std::uint32_t lanes = second < 0 ? 0xFu : RayPacket::kAllLanes;
+      const int last = second < 0 ? first : second;
+      SetSamples(first, y, pattern, 0, 0, &samples);
+      SetSamples(last, y, pattern, 0, 1, &samples);
+      const bool has_movers = HasMovers(first, y) || HasMovers(last, y);
+      const Colours colours = Sample(
+          has_movers, lanes, pattern.footprint_scale, &samples, &triangles);
+      StoreMean(first, y, 4, Sum(colours, 0));
+      if (second >= 0) StoreMean(second, y, 4, Sum(colours, 1));
     };
-    return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) ||
-           differs(x, y + 1);
+    for (int x = 0; x < width_; ++x) {
+      if (!IsEdge(x, y)) continue;
+      if (first < 0) {
+        first = x;
+      } else {
+        finish(x);
+        first = -1;
+      }
+    }
+    if (first >= 0) finish(-1);
   }
 
  private:
-  void TurnToWorld(const CameraRays::Block& block, RayFan* fan) const {
-    Turn(block.direction, fan->rays.direction);
-    Turn(block.d_x, fan->d_x);
-    Turn(block.d_y, fan->d_y);
-    fan->rays.active = block.valid;
+  // Of pixels outside the camera's domain; where nothing is met.
+  static constexpr std::uint32_t kNoRay = 0xFFFFFFFE;
+  static constexpr std::uint32_t kNothing = RayPacket::kNothing;
+
+  // Eight rays that are not those of a block of pixels.
+  struct Samples {
+    RayPacket rays;
+    CameraRays::Block rays_C;
+  };
+
+  [[nodiscard]] const CameraRays::Block& BlockOf(int x, int y) const {
+    return camera_.block(y / CameraRays::kBlockHeight,
+                         x / CameraRays::kBlockWidth);
+  }
+  [[nodiscard]] static int LaneOf(int x, int y) {
+    return y % CameraRays::kBlockHeight * CameraRays::kBlockWidth +
+           x % CameraRays::kBlockWidth;
+  }
+  [[nodiscard]] bool HasMovers(int x, int y) const {
+    return has_movers_[camera_.TileOf(x, y)] != 0;
+  }
+  [[nodiscard]] std::size_t HitIndex(int x, int y) const {
+    return static_cast<std::size_t>(y) * stride_ + static_cast<std::size_t>(x);
   }
 
   // R_WC times eight vectors.
@@ -186,109 +209,194 @@ class Frame {
     }
   }
 
-  void Trace(RayFan* fan) const {
-    caster_.Trace(&fan->rays, &placement_);
-    shader_.RefineDistances(p_WC_, &fan->rays);
+  void Trace(const CameraRays::Block& block,
+             int x,
+             int y,
+             RayPacket* rays) const {
+    rays->active = block.valid;
+    if (block.valid == 0) return;
+    Turn(block.direction, rays->direction);
+    caster_.Trace(rays, HasMovers(x, y) ? &placement_ : nullptr);
   }
 
-  void StoreHit(int x, int y, const RayPacket& rays, int lane) {
-    const bool is_met = rays.triangle[lane] != RayPacket::kNothing;
-    hits_[static_cast<std::size_t>(y) *
-              static_cast<std::size_t>(camera_.size().width) +
-          static_cast<std::size_t>(x)] = {rays.triangle[lane],
-                                          rays.mover[lane],
-                                          is_met ? rays.distance[lane] : 0.0f,
-                                          true};
+  // Calls visit(lane, x, y) for the pixels of a block that have a ray.
+  template <typename Visit>
+  static void ForEachPixel(int x,
+                           int y,
+                           std::uint32_t lanes,
+                           const Visit& visit) {
+    for (; lanes != 0; lanes &= lanes - 1u) {
+      const int lane = std::countr_zero(lanes);
+      visit(lane,
+            x + lane % CameraRays::kBlockWidth,
+            y + lane / CameraRays::kBlockWidth);
+    }
   }
 
-  void StoreColour(int x, int y, const Float4& colour) const {
-    if (targets_.linear != nullptr) {
-      cv::Vec3f& pixel = targets_.linear->ptr<cv::Vec3f>(y)[x];
+  [[nodiscard]] std::uint32_t IdOf(const RayPacket& rays, int lane) const {
+    return rays.triangle[lane] == kNothing
+               ? kNothing
+               : shader_.TriangleId(rays.mover[lane], rays.triangle[lane]);
+  }
+
+  // What was asked for of the geometry.
+  void Store(int x, int y, RayPacket* rays) {
+    if (!ids_.empty()) StoreHits(x, y, *rays);
+    if (!out_.depth.empty()) StoreDepth(x, y, rays);
+    if (!out_.surface.empty() || !out_.floor.empty()) StoreSurface(x, y, *rays);
+  }
+
+  void StoreHits(int x, int y, const RayPacket& rays) {
+    ForEachPixel(x, y, rays.active, [&](int lane, int at_x, int at_y) {
+      ids_[HitIndex(at_x, at_y)] = IdOf(rays, lane);
+      distances_[HitIndex(at_x, at_y)] = rays.distance[lane];
+    });
+  }
+
+  void StoreDepth(int x, int y, RayPacket* rays) const {
+    shader_.RefineDistances(p_WC_, rays);
+    ForEachPixel(x, y, rays->active, [&](int lane, int at_x, int at_y) {
+      const bool is_met = rays->triangle[lane] != kNothing;
+      out_.depth.ptr<float>(at_y)[at_x] = is_met ? rays->distance[lane] : 0.0f;
+    });
+  }
+
+  void StoreSurface(int x, int y, const RayPacket& rays) const {
+    ForEachPixel(x, y, rays.active, [&](int lane, int at_x, int at_y) {
+      const std::uint32_t id = IdOf(rays, lane);
+      if (id == kNothing) return;
+      const std::uint32_t surface = shader_.triangle(id).surface;
+      if (!out_.surface.empty()) {
+        out_.surface.ptr<int>(at_y)[at_x] = static_cast<int>(surface);
+      }
+      if (!out_.floor.empty() &&
+          shader_.surfaces()[surface].kind == SurfaceKind::kFloor) {
+        out_.floor.ptr<std::uint8_t>(at_y)[at_x] = 255;
+      }
+    });
+  }
+
+  void StoreColours(int x,
+                    int y,
+                    std::uint32_t lanes,
+                    const Colours& colours) const {
+    if (!out_.linear.empty()) {
+      ForEachPixel(x, y, lanes, [&](int lane, int at_x, int at_y) {
+        cv::Vec3f& pixel = out_.linear.ptr<cv::Vec3f>(at_y)[at_x];
+        for (int c = 0; c < 3; ++c) pixel[c] = colours.bgr[c][lane];
+      });
+    }
+    if (out_.image.empty()) return;
+    alignas(16) std::int32_t places[3][kLanes];
+    for (int c = 0; c < 3; ++c) {
+      for (int lane = 0; lane < kLanes; lane += 4) {
+        const Int4 four = SrgbTable::PlacesOf(LoadFour(colours.bgr[c] + lane));
+        std::memcpy(places[c] + lane, &four, sizeof four);
+      }
+    }
+    const auto store = [&](int lane, std::uint8_t* pixel) {
+      pixel[0] = srgb_.Value(places[0][lane]);
+      pixel[1] = srgb_.Value(places[1][lane]);
+      pixel[2] = srgb_.Value(places[2][lane]);
+    };
+    if (lanes == RayPacket::kAllLanes) {
+      std::uint8_t* upper = out_.image.ptr<std::uint8_t>(y) + 3 * x;
+      std::uint8_t* lower = out_.image.ptr<std::uint8_t>(y + 1) + 3 * x;
+      for (int i = 0; i < CameraRays::kBlockWidth; ++i) {
+        store(i, upper + 3 * i);
+        store(i + CameraRays::kBlockWidth, lower + 3 * i);
+      }
+      return;
+    }
+    ForEachPixel(x, y, lanes, [&](int lane, int at_x, int at_y) {
+      store(lane, out_.image.ptr<std::uint8_t>(at_y) + 3 * at_x);
+    });
+  }
+
+  void StoreMean(int x, int y, int num, const Float4& sum) const {
+    const Float4 colour = Broadcast(1.0f / static_cast<float>(num)) * sum;
+    if (!out_.linear.empty()) {
+      cv::Vec3f& pixel = out_.linear.ptr<cv::Vec3f>(y)[x];
       for (int c = 0; c < 3; ++c) pixel[c] = colour[c];
     }
-    if (targets_.image != nullptr) {
-      cv::Vec3b& pixel = targets_.image->ptr<cv::Vec3b>(y)[x];
-      for (int c = 0; c < 3; ++c)
-        pixel[c] = targets_.srgb->FromLinear(colour[c]);
+    if (!out_.image.empty()) {
+      cv::Vec3b& pixel = out_.image.ptr<cv::Vec3b>(y)[x];
+      for (int c = 0; c < 3; ++c) pixel[c] = srgb_.FromLinear(colour[c]);
     }
   }
 
-  // Lane `lane` of `fan` becomes the ray of a pixel, `offset` from its centre.
-  void SetSample(
-      int x, int y, const Offset& offset, int lane, RayFan* fan) const {
-    const CameraRays::Block& block = camera_.block(y / CameraRays::kBlockHeight,
-                                                   x / CameraRays::kBlockWidth);
-    const int from = y % CameraRays::kBlockHeight * CameraRays::kBlockWidth +
-                     x % CameraRays::kBlockWidth;
-    Eigen::Vector3f direction;
-    Eigen::Vector3f d_x;
-    Eigen::Vector3f d_y;
+  // Four samples of a pixel become one half of eight.
+  template <std::size_t kNum>
+  void SetSamples(int x,
+                  int y,
+                  const Pattern<kNum>& pattern,
+                  std::size_t group,
+                  int half,
+                  Samples* samples) const {
+    const CameraRays::Block& from = BlockOf(x, y);
+    const int lane = LaneOf(x, y);
+    const Float4 right = LoadFour(pattern.x.data() + 4 * group);
+    const Float4 down = LoadFour(pattern.y.data() + 4 * group);
+    CameraRays::Block& to = samples->rays_C;
     for (int i = 0; i < 3; ++i) {
-      d_x[i] = block.d_x[i][from];
-      d_y[i] = block.d_y[i][from];
-      direction[i] =
-          block.direction[i][from] + offset.x * d_x[i] + offset.y * d_y[i];
+      const Float4 d_x = Broadcast(from.d_x[i][lane]);
+      const Float4 d_y = Broadcast(from.d_y[i][lane]);
+      StoreFour(Broadcast(from.direction[i][lane]) + right * d_x + down * d_y,
+                to.direction[i] + 4 * half);
+      StoreFour(d_x, to.d_x[i] + 4 * half);
+      StoreFour(d_y, to.d_y[i] + 4 * half);
     }
-    direction = R_WC_ * direction;
-    d_x = R_WC_ * d_x;
-    d_y = R_WC_ * d_y;
-    for (int i = 0; i < 3; ++i) {
-      fan->rays.direction[i][lane] = direction[i];
-      fan->d_x[i][lane] = d_x[i];
-      fan->d_y[i][lane] = d_y[i];
-    }
-    fan->rays.active |= 1u << lane;
   }
 
-  void SamplePixels(std::span<const int> columns,
-                    int y,
-                    std::span<const Offset> offsets,
-                    float footprint_scale) const {
-    const auto num_offsets = static_cast<int>(offsets.size());
-    const auto num_samples = static_cast<int>(columns.size()) * num_offsets;
-    std::array<Float4, 2> sums{};  // As many pixels as fit into a packet.
-    for (int first = 0; first < num_samples; first += kLanes) {
-      RayFan fan;
-      SetOrigin(p_WC_.cast<float>(), &fan.rays);
-      fan.rays.active = 0;
-      const int num_lanes = std::min(kLanes, num_samples - first);
-      for (int lane = 0; lane < kLanes; ++lane) {
-        // Lanes without a sample repeat the first one's ray, unused.
-        const int sample = first + (lane < num_lanes ? lane : 0);
-        SetSample(columns[static_cast<std::size_t>(sample / num_offsets)],
-                  y,
-                  offsets[static_cast<std::size_t>(sample % num_offsets)],
-                  lane,
-                  &fan);
-      }
-      fan.rays.active = (1u << num_lanes) - 1u;
-      Trace(&fan);
-      alignas(32) std::array<Float4, kLanes> colours;
-      shader_.Shade(fan, movers_, footprint_scale, colours.data());
-      for (int lane = 0; lane < num_lanes; ++lane) {
-        sums[static_cast<std::size_t>((first + lane) / num_offsets)] +=
-            colours[static_cast<std::size_t>(lane)];
-      }
+  [[nodiscard]] Colours Sample(bool has_movers,
+                               std::uint32_t lanes,
+                               float footprint_scale,
+                               Samples* samples,
+                               TrianglesInView* triangles) const {
+    RayPacket& rays = samples->rays;
+    SetOrigin(p_WC_.cast<float>(), &rays);
+    Turn(samples->rays_C.direction, rays.direction);
+    rays.active = lanes;
+    caster_.Trace(&rays, has_movers ? &placement_ : nullptr);
+    Colours colours;
+    shader_.Shade(rays, samples->rays_C, footprint_scale, triangles, &colours);
+    return colours;
+  }
+
+  // Of four lanes.
+  [[nodiscard]] static Float4 Sum(const Colours& colours, int half) {
+    Float4 sum{};
+    for (int c = 0; c < 3; ++c) {
+      const float* four = colours.bgr[c] + 4 * half;
+      sum[c] = (four[0] + four[1]) + (four[2] + four[3]);
     }
-    const float share = 1.0f / static_cast<float>(num_offsets);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      StoreColour(columns[i], y, Broadcast(share) * sums[i]);
-    }
+    return sum;
+  }
+
+  // Whether a pixel and one of its four neighbours see different surfaces.
+  [[nodiscard]] bool IsEdge(int x, int y) const {
+    const std::size_t here = HitIndex(x, y);
+    const std::uint32_t id = ids_[here];
+    const auto differs = [&](std::size_t other) {
+      return ids_[other] != id && ids_[other] != kNoRay &&
+             !AreOneSurface(here, other);
+    };
+    return id != kNoRay && ((x > 0 && differs(here - 1)) ||
+                            (x + 1 < width_ && differs(here + 1)) ||
+                            (y > 0 && differs(here - stride_)) ||
+                            (y + 1 < height_ && differs(here + stride_)));
   }
 
   // Of two pixels with different triangles: whether they go on from each
   // other smoothly.
-  [[nodiscard]] bool AreOneSurface(const PixelHit& a,
-                                   int /*x*/,
-                                   int /*y*/,
-                                   const PixelHit& b) const {
-    if (a.mover != b.mover || a.triangle == RayPacket::kNothing ||
-        b.triangle == RayPacket::kNothing) {
+  [[nodiscard]] bool AreOneSurface(std::size_t a, std::size_t b) const {
+    if (ids_[a] == kNothing || ids_[b] == kNothing) return false;
+    const ShadedTriangle& s = shader_.triangle(ids_[a]);
+    const ShadedTriangle& t = shader_.triangle(ids_[b]);
+    if (s.mover != t.mover || s.material != t.material ||
+        s.surface != t.surface) {
       return false;
     }
-    const ShadedTriangle& s = shader_.triangle(a.mover, a.triangle);
-    const ShadedTriangle& t = shader_.triangle(b.mover, b.triangle);
-    if (s.material != t.material || s.surface != t.surface) return false;
     const Eigen::Map<const Eigen::Vector3d> normal_s(s.normal);
     const Eigen::Map<const Eigen::Vector3d> normal_t(t.normal);
     // A turn by 18 degrees changes the light by less than edges show.
@@ -297,48 +405,31 @@ class Frame {
     // Neighbouring pixels of a smooth surface lie about equally far; at flat
     // angles they may not, and are sampled more finely for nothing.
     constexpr float kJump = 0.05f;
-    return std::abs(a.distance - b.distance) <
-           kJump * std::min(a.distance, b.distance);
+    return std::abs(distances_[a] - distances_[b]) <
+           kJump * std::min(distances_[a], distances_[b]);
   }
 
   const RayCaster& caster_;
   const SurfaceShader& shader_;
+  const SrgbTable& srgb_;
   const CameraRays& camera_;
+  int width_;
+  int height_;
   Eigen::Matrix3f R_WC_;
   Eigen::Vector3d p_WC_;
   RayCaster::Placement placement_;
-  std::vector<PlacedMover> movers_;
-  Targets targets_;
-  std::vector<PixelHit> hits_;
+  ShaderView view_;
+  std::vector<std::uint8_t> has_movers_;  // By tile of the camera.
+  RenderedView& out_;
+  // What the centres of pixels see, in rows of `stride_`.
+  std::size_t stride_ = 0;
+  std::vector<std::uint32_t> ids_;  // Of triangles.
+  std::vector<float> distances_;
 };
 
 const RendererOptions& Checked(const RendererOptions& options) {
   options.Check();
   return options;
-}
-
-void StoreGeometryRow(const Frame& frame,
-                      const SurfaceShader& shader,
-                      int y,
-                      RenderedView* view) {
-  const int width =
-      std::max({view->depth.cols, view->surface.cols, view->floor.cols});
-  float* depth = view->depth.empty() ? nullptr : view->depth[y];
-  int* surfaces = view->surface.empty() ? nullptr : view->surface[y];
-  std::uint8_t* floor = view->floor.empty() ? nullptr : view->floor[y];
-  for (int x = 0; x < width; ++x) {
-    const PixelHit& hit = frame.hit(x, y);
-    if (depth != nullptr) depth[x] = hit.distance;
-    if (surfaces == nullptr && floor == nullptr) continue;
-    if (hit.triangle == RayPacket::kNothing) continue;
-    const std::uint32_t surface =
-        shader.triangle(hit.mover, hit.triangle).surface;
-    if (surfaces != nullptr) surfaces[x] = static_cast<int>(surface);
-    if (floor != nullptr &&
-        shader.surfaces()[surface].kind == SurfaceKind::kFloor) {
-      floor[x] = 255;
-    }
-  }
 }
 
 }  // namespace
@@ -354,7 +445,8 @@ void RendererOptions::Check() const {
 Renderer::Renderer(const Scene& scene, const RendererOptions& options)
     : options_(Checked(options)),
       caster_(scene),
-      shader_(scene, options.shader, options.num_threads) {}
+      shader_(scene, options.shader, options.num_threads),
+      mover_tiles_(scene) {}
 
 RenderedView Renderer::Render(const CameraRays& camera,
                               const Eigen::Isometry3d& X_WC,
@@ -368,31 +460,22 @@ RenderedView Renderer::Render(const CameraRays& camera,
   if (options.image) view.image = cv::Mat3b::zeros(size);
   if (options.linear) view.linear = cv::Mat3f::zeros(size);
   const bool has_colour = options.image || options.linear;
-  const bool has_geometry = options.depth || options.surface || options.floor;
   const bool is_still = options.quality == RenderQuality::kStill;
-  const bool is_live = options.quality == RenderQuality::kLive;
-  Frame frame(caster_,
-              shader_,
-              camera,
-              X_WC,
-              X_WP,
-              {options.linear ? &view.linear : nullptr,
-               options.image ? &view.image : nullptr,
-               &srgb_,
-               has_geometry || is_still || is_live});
+  const bool has_edges = options.quality == RenderQuality::kLive && has_colour;
+  Frame frame(caster_, shader_, srgb_, camera, X_WC, X_WP, mover_tiles_, &view);
+  if (has_edges) frame.KeepHits();
   ForEachRow(camera.num_block_rows(), options_.num_threads, [&](int row) {
     frame.TraceCentres(row, has_colour && !is_still);
   });
-  ForEachRow(size.height, options_.num_threads, [&](int y) {
-    if (has_geometry) StoreGeometryRow(frame, shader_, y, &view);
-    if (has_colour && is_still) {
-      const auto all = [](int, int) { return true; };
-      frame.Supersample(y, kStillOffsets, kStillScale, all);
-    } else if (has_colour && is_live) {
-      const auto edges = [&](int x, int row) { return frame.IsEdge(x, row); };
-      frame.Supersample(y, kLiveOffsets, kLiveScale, edges);
-    }
-  });
+  if (has_colour && (is_still || has_edges)) {
+    ForEachRow(size.height, options_.num_threads, [&](int y) {
+      if (is_still) {
+        frame.SupersampleRow(y, kStillPattern);
+      } else {
+        frame.SupersampleEdges(y, kLivePattern);
+      }
+    });
+  }
   return view;
 }
 

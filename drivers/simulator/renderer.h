@@ -2,6 +2,7 @@
 #pragma once
 
 #include "drivers/simulator/camera_rays.h"
+#include "drivers/simulator/mover_tiles.h"
 #include "drivers/simulator/ray_caster.h"
 #include "drivers/simulator/scene.h"
 #include "drivers/simulator/srgb.h"
@@ -83,6 +84,7 @@ class Renderer {
   RendererOptions options_;
   RayCaster caster_;
   SurfaceShader shader_;
+  MoverTiles mover_tiles_;
   SrgbTable srgb_;
 };
 

@@ -24,6 +24,25 @@ inline void StoreFour(const Float4& four, float* to) {
   std::memcpy(to, &four, sizeof four);
 }
 
+// Of eight values: bit i is set where value i is `value`.
+inline std::uint32_t LanesEqual(const void* values, std::int32_t value) {
+  Int4 low;
+  Int4 high;
+  std::memcpy(&low, values, sizeof low);
+  std::memcpy(
+      &high, static_cast<const char*>(values) + sizeof low, sizeof high);
+  const Int4 wanted{value, value, value, value};
+  const Int4 bits = ((low == wanted) & Int4{1, 2, 4, 8}) |
+                    ((high == wanted) & Int4{16, 32, 64, 128});
+  return static_cast<std::uint32_t>(bits[0] | bits[1] | bits[2] | bits[3]);
+}
+
+// To [0, 1]; NaN becomes 0.
+inline Float4 ClampToOne(const Float4& value) {
+  const Float4 positive = value > 0.0f ? value : Float4{};
+  return positive < 1.0f ? positive : Broadcast(1.0f);
+}
+
 // Unlike std::floor no call of a library function, which SSE2 alone needs.
 // |value| < 2^31.
 inline int FloorToInt(float value) {

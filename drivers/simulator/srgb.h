@@ -1,6 +1,8 @@
 // The sRGB curve: linear light to and from 8-bit values of images.
 #pragma once
 
+#include "drivers/simulator/simd.h"
+
 #include <array>
 #include <cstdint>
 
@@ -19,6 +21,15 @@ class SrgbTable {
     // In this order NaN becomes 0.
     const float clamped = light > 0.0f ? (light < 1.0f ? light : 1.0f) : 0.0f;
     return table_[static_cast<std::size_t>(clamped * kScale + 0.5f)];
+  }
+
+  // The same of four values in two steps: Value(PlacesOf(light)[i]).
+  [[nodiscard]] static Int4 PlacesOf(const Float4& light) {
+    return __builtin_convertvector(
+        ClampToOne(light) * Broadcast(kScale) + Broadcast(0.5f), Int4);
+  }
+  [[nodiscard]] std::uint8_t Value(std::int32_t place) const {
+    return table_[static_cast<std::size_t>(place)];
   }
 
  private:

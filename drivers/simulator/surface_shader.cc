@@ -138,8 +138,43 @@ float ShadowOf(const PlacedMover& mover,
   return 1.0f - (1.0f - left) * nearness * nearness;
 }
 
-Vector3f LaneOf(const float (&values)[3][RayPacket::kLanes], int lane) {
-  return {values[0][lane], values[1][lane], values[2][lane]};
+void SetInView(const ShadedTriangle& t,
+               const ShaderView& view,
+               TriangleInView* seen) {
+  const PlacedMover* mover =
+      t.mover == RayPacket::kStatic
+          ? nullptr
+          : &view.movers[static_cast<std::size_t>(t.mover)];
+  // Of the triangle's own frame M, W or the mover's.
+  const Eigen::Isometry3d& X_MC = mover != nullptr ? mover->X_PC : view.X_WC;
+  const Eigen::Matrix3d R_CM = X_MC.linear().transpose();
+  const Vector3d& p_MC = X_MC.translation();
+  const Eigen::Map<const Vector3d> n_M(t.normal);
+  const Vector3d n_C = R_CM * n_M;
+  const double height = t.offset - n_M.dot(p_MC);
+  for (int row = 0; row < 4; ++row) {
+    const Vector3d gradient_M(
+        double(t.by_x[row]), double(t.by_y[row]), double(t.by_z[row]));
+    const Vector3d gradient_C = R_CM * gradient_M;
+    seen->by_x[row] = static_cast<float>(gradient_C.x());
+    seen->by_y[row] = static_cast<float>(gradient_C.y());
+    seen->by_z[row] = static_cast<float>(gradient_C.z());
+    seen->constant[row] =
+        static_cast<float>(double(t.constant[row]) + gradient_M.dot(p_MC));
+  }
+  seen->height = static_cast<float>(height);
+  const bool is_back = height > 0.0;
+  Vector3f facing = n_M.cast<float>();
+  if (is_back) facing = -facing;
+  if (mover != nullptr) facing = mover->R_WP * facing;
+  for (int i = 0; i < 3; ++i) {
+    seen->normal[i] = static_cast<float>(n_C[i]);
+    seen->facing_W[i] = facing[i];
+  }
+  seen->light_side = is_back != t.is_light_map_turned ? 1 : 0;
+  seen->is_mover = mover != nullptr;
+  if (mover != nullptr) seen->mover_light = MoverLight(*mover, facing);
+  seen->triangle = &t;
 }
 
 }  // namespace
@@ -154,21 +189,21 @@ SurfaceShader::SurfaceShader(const Scene& scene,
       albedos_(MeansOf(textures_)),
       field_(scene, options.light),
       light_map_(scene, field_, albedos_, options.light_map, num_threads) {
-  const auto add = [&](const SceneMesh& mesh) {
-    std::vector<ShadedTriangle>& list = triangles_.emplace_back();
-    list.reserve(mesh.triangles.size());
+  const auto add = [&](const SceneMesh& mesh, std::int32_t mover) {
+    first_triangle_.push_back(static_cast<std::uint32_t>(triangles_.size()));
     for (const SceneTriangle& triangle : mesh.triangles) {
-      list.push_back(Prepare(mesh, triangle));
+      triangles_.push_back(Prepare(mesh, triangle));
+      triangles_.back().mover = mover;
     }
   };
-  add(scene.mesh);
-  for (std::uint32_t i = 0; i < triangles_[0].size(); ++i) {
+  add(scene.mesh, RayPacket::kStatic);
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
     if (const LightChart* chart = light_map_.chart(i)) {
-      SetLight(*chart, light_map_.PatchOf(i), &triangles_[0][i]);
+      SetLight(*chart, light_map_.PatchOf(i), &triangles_[i]);
     }
   }
   for (const SceneMover& mover : scene.movers) {
-    add(mover.mesh);
+    add(mover.mesh, static_cast<std::int32_t>(mover_sizes_.size()));
     mover_sizes_.push_back(
         {static_cast<float>(mover.radius), static_cast<float>(mover.height)});
   }
@@ -178,22 +213,22 @@ Float4 SurfaceShader::LightAt(const Vector3d& p_W, const Vector3d& n_W) const {
   const auto radiosity = [this](std::uint32_t index,
                                 const Vector3f& q_W,
                                 const Vector3f& direction) {
-    const std::uint32_t material = triangle(RayPacket::kStatic, index).material;
+    const std::uint32_t material = triangles_[index].material;
     const Float4& albedo = albedos_[material];
     if (is_emissive_[material] != 0) return albedo;
     return albedo * light_map_.At(index, q_W, direction);
   };
-  return field_.Direct(p_W, n_W) + field_.Gather(p_W, n_W, false, radiosity).light;
+  return field_.Direct(p_W, n_W) +
+         field_.Gather(p_W, n_W, false, radiosity).light;
 }
 
-std::vector<PlacedMover> SurfaceShader::Place(
-    std::span<const Eigen::Isometry3d> X_WP, const Vector3d& p_WC) const {
-  std::vector<PlacedMover> movers;
+ShaderView SurfaceShader::Place(std::span<const Eigen::Isometry3d> X_WP,
+                                const Eigen::Isometry3d& X_WC) const {
+  ShaderView view{X_WC, {}};
   for (std::size_t i = 0; i < X_WP.size(); ++i) {
-    const Eigen::Isometry3d X_PW = X_WP[i].inverse();
-    PlacedMover& mover = movers.emplace_back();
-    mover.R_PW = X_PW.rotation().cast<float>();
-    mover.p_PC = (X_PW * p_WC).cast<float>();
+    PlacedMover& mover = view.movers.emplace_back();
+    mover.X_PC = X_WP[i].inverse() * X_WC;
+    mover.R_WP = X_WP[i].rotation().cast<float>();
     mover.p_WP = X_WP[i].translation().cast<float>();
     mover.radius = mover_sizes_[i].radius;
     mover.height = mover_sizes_[i].height;
@@ -208,7 +243,14 @@ std::vector<PlacedMover> SurfaceShader::Place(
           LightAt(middle + reach * n_W, n_W);
     }
   }
-  return movers;
+  return view;
+}
+
+const TriangleInView& TrianglesInView::Get(const ShadedTriangle& triangle) {
+  const auto address = reinterpret_cast<std::uintptr_t>(&triangle);
+  TriangleInView& entry = entries_[address / sizeof triangle % kSize];
+  if (entry.triangle != &triangle) SetInView(triangle, view_, &entry);
+  return entry;
 }
 
 void SurfaceShader::RefineDistances(const Vector3d& p_WC,
@@ -218,7 +260,7 @@ void SurfaceShader::RefineDistances(const Vector3d& p_WC,
         rays->mover[lane] != RayPacket::kStatic) {
       continue;
     }
-    const ShadedTriangle& t = triangles_[0][rays->triangle[lane]];
+    const ShadedTriangle& t = triangles_[rays->triangle[lane]];
     const double height = t.offset - t.normal[0] * p_WC.x() -
                           t.normal[1] * p_WC.y() - t.normal[2] * p_WC.z();
     const double slope = t.normal[0] * double(rays->direction[0][lane]) +
@@ -235,122 +277,112 @@ void SurfaceShader::RefineDistances(const Vector3d& p_WC,
   }
 }
 
-void SurfaceShader::Shade(const RayFan& fan,
-                          std::span<const PlacedMover> movers,
+void SurfaceShader::Shade(const RayPacket& rays,
+                          const CameraRays::Block& rays_C,
                           float footprint_scale,
-                          Float4* colours) const {
-  const RayPacket& rays = fan.rays;
-  std::fill_n(colours, RayPacket::kLanes, Float4{});
-  std::uint32_t left = 0;
-  for (int lane = 0; lane < RayPacket::kLanes; ++lane) {
-    const bool is_seen = rays.triangle[lane] != RayPacket::kNothing;
-    left |= is_seen ? rays.active & 1u << lane : 0u;
-  }
-  // Most packets meet one triangle or two.
-  for (int round = 0; is_wide_ && round < 3 && left != 0; ++round) {
+                          TrianglesInView* triangles,
+                          Colours* colours) const {
+  constexpr auto kNothing = static_cast<std::int32_t>(RayPacket::kNothing);
+  std::uint32_t left = rays.active & ~LanesEqual(rays.triangle, kNothing);
+  if (left != RayPacket::kAllLanes) *colours = {};
+  while (left != 0) {
     const int first = std::countr_zero(left);
-    if (rays.mover[first] != RayPacket::kStatic) break;
-    std::uint32_t lanes = 0;
-    for (int lane = first; lane < RayPacket::kLanes; ++lane) {
-      const bool is_same = rays.triangle[lane] == rays.triangle[first] &&
-                           rays.mover[lane] == RayPacket::kStatic;
-      lanes |= is_same ? left & 1u << lane : 0u;
-    }
-    // A lane alone is as fast by itself, and so is a triangle without a map.
-    const ShadedTriangle& t =
-        triangle(RayPacket::kStatic, rays.triangle[first]);
-    const bool has_light = t.light.width > 0 || is_emissive_[t.material] != 0;
-    if ((lanes & (lanes - 1u)) == 0 || !has_light) break;
-    ShadeTogether(fan, lanes, movers, footprint_scale, colours);
+    const std::uint32_t index = rays.triangle[first];
+    const std::int32_t mover = rays.mover[first];
+    std::uint32_t lanes =
+        left & LanesEqual(rays.triangle, static_cast<std::int32_t>(index)) &
+        LanesEqual(rays.mover, mover);
     left &= ~lanes;
-  }
-  for (; left != 0; left &= left - 1u) {
-    const int lane = std::countr_zero(left);
-    colours[lane] = ShadeLane(fan, lane, movers, footprint_scale);
+    const TriangleInView& t =
+        triangles->Get(triangles_[TriangleId(mover, index)]);
+    // A lane alone is as fast by itself.
+    if (is_wide_ && (lanes & (lanes - 1u)) != 0) {
+      ShadeTogether(
+          rays, rays_C, t, lanes, triangles->view(), footprint_scale, colours);
+      continue;
+    }
+    for (; lanes != 0; lanes &= lanes - 1u) {
+      const int lane = std::countr_zero(lanes);
+      const Float4 colour =
+          ShadeLane(rays, rays_C, lane, t, triangles->view(), footprint_scale);
+      for (int c = 0; c < 3; ++c) colours->bgr[c][lane] = colour[c];
+    }
   }
 }
 
-void SurfaceShader::ShadeTogether(const RayFan& fan,
+void SurfaceShader::ShadeTogether(const RayPacket& rays,
+                                  const CameraRays::Block& rays_C,
+                                  const TriangleInView& triangle,
                                   std::uint32_t lanes,
-                                  std::span<const PlacedMover> movers,
+                                  const ShaderView& view,
                                   float footprint_scale,
-                                  Float4* colours) const {
-  const RayPacket& rays = fan.rays;
-  const ShadedTriangle& t =
-      triangle(RayPacket::kStatic, rays.triangle[std::countr_zero(lanes)]);
-  const bool is_lit = is_emissive_[t.material] == 0;
-  ShadeWide(fan,
-            {&t,
-             &textures_[t.material],
-             is_lit ? &light_map_ : nullptr,
-             movers,
-             kMaxProbes,
-             footprint_scale},
-            lanes,
-            colours);
+                                  Colours* colours) const {
+  const std::uint32_t material = triangle.triangle->material;
+  const bool is_lit = is_emissive_[material] == 0;
+  WideSurface surface{&triangle,
+                      &textures_[material],
+                      nullptr,
+                      Broadcast(1.0f),
+                      {},
+                      kMaxProbes,
+                      footprint_scale};
+  if (is_lit && triangle.is_mover) {
+    surface.even_light = triangle.mover_light;
+  } else if (is_lit) {
+    if (triangle.triangle->light.width > 0) {
+      surface.light = &light_map_;
+    } else {
+      surface.even_light = light_map_.At(triangle.triangle->light, 0, 0, 0);
+    }
+    surface.movers = view.movers;
+  }
+  ShadeWide(rays, rays_C, surface, lanes, colours);
 }
 
-Float4 SurfaceShader::ShadeLane(const RayFan& fan,
+Float4 SurfaceShader::ShadeLane(const RayPacket& rays,
+                                const CameraRays::Block& rays_C,
                                 int lane,
-                                std::span<const PlacedMover> movers,
+                                const TriangleInView& t,
+                                const ShaderView& view,
                                 float footprint_scale) const {
-  const RayPacket& rays = fan.rays;
-  const ShadedTriangle& t = triangle(rays.mover[lane], rays.triangle[lane]);
-  Vector3f origin = LaneOf(rays.origin, lane);
-  Vector3f direction = LaneOf(rays.direction, lane);
-  Vector3f d_x = LaneOf(fan.d_x, lane);
-  Vector3f d_y = LaneOf(fan.d_y, lane);
-  const PlacedMover* mover = nullptr;
-  if (rays.mover[lane] != RayPacket::kStatic) {
-    mover = &movers[static_cast<std::size_t>(rays.mover[lane])];
-    origin = mover->p_PC;
-    direction = mover->R_PW * direction;
-    d_x = mover->R_PW * d_x;
-    d_y = mover->R_PW * d_y;
-  }
-  const float distance = rays.distance[lane];
-  const Vector3f p = origin + distance * direction;
-  const Vector3f normal(static_cast<float>(t.normal[0]),
-                        static_cast<float>(t.normal[1]),
-                        static_cast<float>(t.normal[2]));
-  const float slope = normal.dot(direction);
+  const auto dot = [lane](const auto& a, const CameraRays::Lanes(&b)[3]) {
+    return a[0] * b[0][lane] + a[1] * b[1][lane] + a[2] * b[2][lane];
+  };
+  const auto map = [&](const CameraRays::Lanes(&b)[3]) {
+    return t.by_x * Broadcast(b[0][lane]) + t.by_y * Broadcast(b[1][lane]) +
+           t.by_z * Broadcast(b[2][lane]);
+  };
+  const float per_slope = 1.0f / dot(t.normal, rays_C.direction);
+  const float distance = t.height * per_slope;
+  const Float4 maps = map(rays_C.direction);
+  const Float4 at = t.constant + Broadcast(distance) * maps;
   // The neighbour's ray meets the same plane.
-  const float scale = distance * footprint_scale;
-  const float per_slope = 1.0f / slope;
-  const Vector3f dp_x =
-      scale * (d_x - direction * (normal.dot(d_x) * per_slope));
-  const Vector3f dp_y =
-      scale * (d_y - direction * (normal.dot(d_y) * per_slope));
-  const Float4 maps = t.by_x * Broadcast(p.x()) + t.by_y * Broadcast(p.y()) +
-                      t.by_z * Broadcast(p.z()) + t.constant;
-  const Float4 maps_x = t.by_x * Broadcast(dp_x.x()) +
-                        t.by_y * Broadcast(dp_x.y()) +
-                        t.by_z * Broadcast(dp_x.z());
-  const Float4 maps_y = t.by_x * Broadcast(dp_y.x()) +
-                        t.by_y * Broadcast(dp_y.y()) +
-                        t.by_z * Broadcast(dp_y.z());
-  const Float4 albedo =
-      textures_[t.material].Sample(maps[0],
-                                   maps[1],
-                                   {maps_x[0], maps_x[1], maps_y[0], maps_y[1]},
-                                   kMaxProbes);
-  if (is_emissive_[t.material] != 0) return albedo;
-  const bool is_back = slope > 0.0f;
-  const Vector3f facing = is_back ? Vector3f(-normal) : normal;
-  if (mover != nullptr) {
-    return albedo * MoverLight(*mover, mover->R_PW.transpose() * facing);
+  const Float4 scale = Broadcast(distance * footprint_scale);
+  const Float4 along = Broadcast(per_slope) * maps;
+  const Float4 d_x =
+      scale * (map(rays_C.d_x) - along * Broadcast(dot(t.normal, rays_C.d_x)));
+  const Float4 d_y =
+      scale * (map(rays_C.d_y) - along * Broadcast(dot(t.normal, rays_C.d_y)));
+  const std::uint32_t material = t.triangle->material;
+  const Float4 albedo = textures_[material].Sample(
+      at[0], at[1], {d_x[0], d_x[1], d_y[0], d_y[1]}, kMaxProbes);
+  if (is_emissive_[material] != 0) return albedo;
+  if (t.is_mover) return albedo * t.mover_light;
+  Float4 light = light_map_.At(t.triangle->light, t.light_side, at[2], at[3]);
+  Vector3f p_W;
+  for (int i = 0; i < 3; ++i) {
+    p_W[i] = rays.origin[i][lane] + distance * rays.direction[i][lane];
   }
-  const int side = is_back != t.is_light_map_turned ? 1 : 0;
-  Float4 light = light_map_.At(t.light, side, maps[2], maps[3]);
-  for (const PlacedMover& other : movers) {
-    light *= Broadcast(ShadowOf(other, p, facing));
+  const Vector3f facing_W(t.facing_W[0], t.facing_W[1], t.facing_W[2]);
+  for (const PlacedMover& mover : view.movers) {
+    light *= Broadcast(ShadowOf(mover, p_W, facing_W));
   }
   return albedo * light;
 }
 
 std::size_t SurfaceShader::num_bytes() const {
   std::size_t sum = field_.num_bytes() + light_map_.num_bytes();
-  for (const auto& list : triangles_) sum += list.size() * sizeof(list[0]);
+  sum += triangles_.size() * sizeof(triangles_[0]);
   for (const TextureSampler& texture : textures_) sum += texture.num_bytes();
   return sum;
 }

@@ -1,6 +1,7 @@
 // Colour and distance of what a ray meets.
 #pragma once
 
+#include "drivers/simulator/camera_rays.h"
 #include "drivers/simulator/light_field.h"
 #include "drivers/simulator/light_map.h"
 #include "drivers/simulator/ray_caster.h"
@@ -18,11 +19,9 @@
 
 namespace waymark {
 
-// Eight rays from one point with their changes to the next pixels.
-struct RayFan {
-  RayPacket rays;
-  alignas(32) float d_x[3][RayPacket::kLanes];
-  alignas(32) float d_y[3][RayPacket::kLanes];
+// Linear BGR of eight rays.
+struct Colours {
+  alignas(32) float bgr[3][RayPacket::kLanes];
 };
 
 // A triangle as the shader wants it. Affine in the point are: u, v in
@@ -37,13 +36,14 @@ struct alignas(64) ShadedTriangle {
   std::uint32_t material = 0;
   std::uint32_t surface = 0;
   LightMap::Patch light;
-  bool is_light_map_turned = false;  // Its front is our back.
+  std::int32_t mover = RayPacket::kStatic;  // Whose mesh it belongs to.
+  bool is_light_map_turned = false;         // Its front is our back.
 };
 
 // What the shader needs of the place of a mover.
 struct PlacedMover {
-  Eigen::Matrix3f R_PW = Eigen::Matrix3f::Identity();
-  Eigen::Vector3f p_PC = Eigen::Vector3f::Zero();  // Where the rays start.
+  Eigen::Isometry3d X_PC = Eigen::Isometry3d::Identity();
+  Eigen::Matrix3f R_WP = Eigen::Matrix3f::Identity();
   Eigen::Vector3f p_WP = Eigen::Vector3f::Zero();
   float radius = 0.0f;
   float height = 0.0f;
@@ -51,11 +51,49 @@ struct PlacedMover {
   std::array<Float4, 6> light{};
 };
 
+// One camera at one place, and where the movers are.
+struct ShaderView {
+  Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+  std::vector<PlacedMover> movers;
+};
+
+// A triangle for rays that start at the camera, in the camera's frame. The ray
+// along d meets it at height / (normal . d) lengths of d; there a map's value
+// is constant + that distance * (by_x, by_y, by_z) . d. Rays from one point
+// meet a plane from one side.
+struct alignas(64) TriangleInView {
+  Float4 by_x{};
+  Float4 by_y{};
+  Float4 by_z{};
+  Float4 constant{};
+  float normal[3]{};
+  float height = 0.0f;
+  const ShadedTriangle* triangle = nullptr;
+  int light_side = 0;    // Of the light map.
+  float facing_W[3]{};   // The normal on the side that is seen.
+  Float4 mover_light{};  // That arrives there, of a mover's triangle.
+  bool is_mover = false;
+};
+
+// The triangles that a thread met last in one view.
+class TrianglesInView {
+ public:
+  explicit TrianglesInView(const ShaderView& view) : view_(view) {}
+  [[nodiscard]] const ShaderView& view() const { return view_; }
+  [[nodiscard]] const TriangleInView& Get(const ShadedTriangle& triangle);
+
+ private:
+  // A picture's rows meet some triangles again and again.
+  static constexpr std::size_t kSize = 32;
+  const ShaderView& view_;
+  std::array<TriangleInView, kSize> entries_;
+};
+
 struct SurfaceShaderOptions {
   LightFieldOptions light;
   LightMapOptions light_map;
-  // Eight pixels at once where the machine has AVX2. Without: twice as slow,
-  // the same but for roundings.
+  // Eight pixels at once where the machine has AVX2 and FMA. Without: twice as
+  // slow, the same but for roundings.
   bool is_wide = true;
 };
 
@@ -79,27 +117,33 @@ class SurfaceShader {
                 const SurfaceShaderOptions& options,
                 int num_threads);
 
-  // Where the movers are and how they are lit, for rays that start at p_WC.
-  [[nodiscard]] std::vector<PlacedMover> Place(
-      std::span<const Eigen::Isometry3d> X_WP,
-      const Eigen::Vector3d& p_WC) const;
+  // Where the movers are and how they are lit, for rays that start at the
+  // camera.
+  [[nodiscard]] ShaderView Place(std::span<const Eigen::Isometry3d> X_WP,
+                                 const Eigen::Isometry3d& X_WC) const;
 
   // Distances of traced rays once more, from the triangles' planes in double
   // precision: Embree's float arithmetic loses digits on large triangles seen
   // at flat angles. Rays start at p_WC.
   void RefineDistances(const Eigen::Vector3d& p_WC, RayPacket* rays) const;
 
-  // Linear BGR of each active lane; black where nothing was met.
+  // Of each active lane; black where nothing was met.
+  //   rays_C   the same rays, from the camera's origin, and their neighbours'.
   // `footprint_scale`: 1 for one sample a pixel, 1/4 for samples at a quarter
   // of a pixel from each other.
-  void Shade(const RayFan& fan,
-             std::span<const PlacedMover> movers,
+  void Shade(const RayPacket& rays,
+             const CameraRays::Block& rays_C,
              float footprint_scale,
-             Float4* colours) const;
+             TrianglesInView* triangles,
+             Colours* colours) const;
 
-  [[nodiscard]] const ShadedTriangle& triangle(std::int32_t mover,
-                                               std::uint32_t index) const {
-    return triangles_[static_cast<std::size_t>(mover + 1)][index];
+  // One number for each triangle of the static mesh and the movers.
+  [[nodiscard]] std::uint32_t TriangleId(std::int32_t mover,
+                                         std::uint32_t index) const {
+    return first_triangle_[static_cast<std::size_t>(mover + 1)] + index;
+  }
+  [[nodiscard]] const ShadedTriangle& triangle(std::uint32_t id) const {
+    return triangles_[id];
   }
   [[nodiscard]] const std::vector<SceneSurface>& surfaces() const {
     return surfaces_;
@@ -113,15 +157,19 @@ class SurfaceShader {
   };
   [[nodiscard]] Float4 LightAt(const Eigen::Vector3d& p_W,
                                const Eigen::Vector3d& n_W) const;
-  // Lanes of one triangle of the static mesh.
-  void ShadeTogether(const RayFan& fan,
+  // Lanes of one triangle.
+  void ShadeTogether(const RayPacket& rays,
+                     const CameraRays::Block& rays_C,
+                     const TriangleInView& triangle,
                      std::uint32_t lanes,
-                     std::span<const PlacedMover> movers,
+                     const ShaderView& view,
                      float footprint_scale,
-                     Float4* colours) const;
-  [[nodiscard]] Float4 ShadeLane(const RayFan& fan,
+                     Colours* colours) const;
+  [[nodiscard]] Float4 ShadeLane(const RayPacket& rays,
+                                 const CameraRays::Block& rays_C,
                                  int lane,
-                                 std::span<const PlacedMover> movers,
+                                 const TriangleInView& triangle,
+                                 const ShaderView& view,
                                  float footprint_scale) const;
 
   bool is_wide_;
@@ -132,8 +180,9 @@ class SurfaceShader {
   std::vector<Float4> albedos_;  // Mean of each texture.
   LightField field_;
   LightMap light_map_;
-  // Entry 0: the static mesh, then the movers.
-  std::vector<std::vector<ShadedTriangle>> triangles_;
+  // Those of the static mesh, then those of each mover.
+  std::vector<ShadedTriangle> triangles_;
+  std::vector<std::uint32_t> first_triangle_;  // Static, then by mover.
 };
 
 }  // namespace waymark

@@ -94,8 +94,11 @@ void TextureSampler::AppendLevel(const cv::Mat3f& linear) {
   levels_.height[levels_.num] = linear.rows;
   levels_.first[levels_.num] = static_cast<int>(texels_.size());
   ++levels_.num;
-  texels_.reserve(texels_.size() + linear.total());
-  for (const cv::Vec3f& texel : linear) texels_.push_back(Pack(texel));
+  for (int y = 0; y <= linear.rows; ++y) {
+    const auto* row = linear[y % linear.rows];
+    for (int x = 0; x < linear.cols; ++x) texels_.push_back(Pack(row[x]));
+    texels_.push_back(Pack(row[0]));
+  }
 }
 
 std::size_t TextureSampler::num_bytes() const {
@@ -112,19 +115,16 @@ inline Float4 TextureSampler::Bilinear(int level, float u, float v) const {
   int y0 = FloorToInt(y);
   const Float4 fx = Broadcast(x - static_cast<float>(x0));
   const Float4 fy = Broadcast(y - static_cast<float>(y0));
-  int x1 = x0 + 1;
-  int y1 = y0 + 1;
   x0 = x0 < 0 ? width - 1 : std::min(x0, width - 1);
   y0 = y0 < 0 ? height - 1 : std::min(y0, height - 1);
-  x1 = x1 >= width ? 0 : x1;
-  y1 = y1 >= height ? 0 : y1;
-  const std::uint32_t* first = texels_.data() + levels_.first[level];
-  const std::uint32_t* top = first + y0 * width;
-  const std::uint32_t* bottom = first + y1 * width;
-  const Float4 a = Unpack(top[x0]);
-  const Float4 b = Unpack(top[x1]);
-  const Float4 c = Unpack(bottom[x0]);
-  const Float4 d = Unpack(bottom[x1]);
+  const int stride = width + 1;
+  const std::uint32_t* top =
+      texels_.data() + levels_.first[level] + y0 * stride + x0;
+  const std::uint32_t* bottom = top + stride;
+  const Float4 a = Unpack(top[0]);
+  const Float4 b = Unpack(top[1]);
+  const Float4 c = Unpack(bottom[0]);
+  const Float4 d = Unpack(bottom[1]);
   const Float4 upper = a + fx * (b - a);
   const Float4 lower = c + fx * (d - c);
   return upper + fy * (lower - upper);

@@ -26,7 +26,8 @@ struct TextureFootprint {
 // axis of the footprint, as many as it is longer than the shorter one, up to
 // `max_probes`; beyond that the texture blurs rather than aliases. Texels are
 // kept as 10 bits of the square root of the light, finer than the sRGB curve
-// of 8 bits: four bytes a texel, 5.3 with the mip-maps.
+// of 8 bits: four bytes a texel, 5.3 with the mip-maps. The first column and
+// row are there once more behind the last: neighbours are where they seem.
 class TextureSampler {
  public:
   // 8-bit BGR, sRGB curve. Throws std::invalid_argument for an empty image and
@@ -50,7 +51,7 @@ class TextureSampler {
     int num = 0;
     int width[kMost]{};
     int height[kMost]{};
-    int first[kMost]{};  // Of its texels.
+    int first[kMost]{};  // Of its texels: height + 1 rows of width + 1.
   };
   static constexpr int kFieldBits = 10;  // Of a channel in a texel.
   static constexpr int kFieldMask = (1 << kFieldBits) - 1;

@@ -1,7 +1,9 @@
-// Eight rays that meet one triangle, shaded at once (AVX2).
+// Eight rays that meet one triangle, shaded at once (AVX2, FMA).
 #pragma once
 
+#include "drivers/simulator/camera_rays.h"
 #include "drivers/simulator/light_map.h"
+#include "drivers/simulator/ray_caster.h"
 #include "drivers/simulator/simd.h"
 #include "drivers/simulator/texture_sampler.h"
 
@@ -10,29 +12,31 @@
 
 namespace waymark {
 
-struct RayFan;
-struct ShadedTriangle;
+struct Colours;
 struct PlacedMover;
+struct TriangleInView;
 
 // Whether this machine can. If not, ShadeWide must not be called.
 [[nodiscard]] bool HasWideShader();
 
 // What of one triangle all its lanes share.
 struct WideSurface {
-  const ShadedTriangle* triangle = nullptr;
+  const TriangleInView* triangle = nullptr;
   const TextureSampler* texture = nullptr;
-  const LightMap* light = nullptr;  // Null: the texture has its own light.
-  // That shadow it; none where `light` is null.
-  std::span<const PlacedMover> movers;
+  // Null: `even_light` everywhere.
+  const LightMap* light = nullptr;
+  Float4 even_light{};
+  std::span<const PlacedMover> movers;  // That shadow it.
   int max_probes = 1;
   float footprint_scale = 1.0f;
 };
 
 // Colours of the lanes in `lanes` (bit i: lane i), as the shader's scalar form
 // has them but for roundings. Other colours stay as they are.
-void ShadeWide(const RayFan& fan,
+void ShadeWide(const RayPacket& rays,
+               const CameraRays::Block& rays_C,
                const WideSurface& surface,
                std::uint32_t lanes,
-               Float4* colours);
+               Colours* colours);
 
 }  // namespace waymark
