@@ -77,8 +77,9 @@ class Maker {
   bool Maybe(double probability) { return random_.Uniform() < probability; }
   // Ends included.
   int Between(int low, int high) {
-    return low + static_cast<int>(
-                     random_.Index(static_cast<std::uint64_t>(high - low + 1)));
+    const int num = high - low + 1;
+    return low +
+           static_cast<int>(random_.Index(static_cast<std::uint64_t>(num)));
   }
   template <typename T>
   const T& OneOf(const std::vector<T>& all) {

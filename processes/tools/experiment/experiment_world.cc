@@ -12,9 +12,13 @@
 namespace waymark {
 namespace {
 
+std::vector<Segment2> WallsIn(const World& world) {
+  return OutlineOfMesh(BuildScene(world, SceneLooks::kPlain).mesh,
+                       HeightBand{});
+}
+
 std::vector<Segment2> SegmentsOf(const World& world) {
-  std::vector<Segment2> segments =
-      OutlineOfMesh(BuildScene(world, SceneLooks::kPlain).mesh, HeightBand{});
+  std::vector<Segment2> segments = WallsIn(world);
   for (const WorldPerson& person : world.people) {
     if (person.motion != PersonMotion::kStand) continue;
     // The square about the person.
@@ -60,6 +64,10 @@ DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
   SimulatorConfig own = WithStart(config_, {}, seed);
   own.start = config_.start;
   return World(own, options_).tasks.Make(seed);
+}
+
+ObstacleMap WallsOf(const SimulatorConfig& config) {
+  return ObstacleMap(WallsIn(LoadWorldFile(FindWorldFile(config.world))));
 }
 
 SimulatorConfig SimulatorWithoutVision() {

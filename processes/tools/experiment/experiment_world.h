@@ -44,6 +44,10 @@ class ExperimentTasks {
   std::unique_ptr<World> world_;  // Null where each run has its own.
 };
 
+// Walls and furniture of the configuration's world. Throws as LoadWorldFile()
+// and BuildScene() do.
+[[nodiscard]] ObstacleMap WallsOf(const SimulatorConfig& config);
+
 // Changes that every experiment makes: no cameras, a lidar, no state file.
 [[nodiscard]] SimulatorConfig SimulatorWithoutVision();
 // One run's own seed and start, and world where that is random.

@@ -50,8 +50,9 @@ void RamExperiment::Prepare() {
 RunResult RamExperiment::Run(std::uint64_t seed,
                              const std::string& log_path) const {
   LockStep run(kStart, log_path);
-  run.Add<SimulatorProcess>(
-      WithStart(config_.simulator, tasks_->Make(seed).X_WR, seed));
+  const SimulatorConfig simulator =
+      WithStart(config_.simulator, tasks_->Make(seed).X_WR, seed);
+  run.Add<SimulatorProcess>(simulator);
   run.Add<CollisionGuardProcess>(config_.collision_guard);
   // Asked for without end: more than the guard allows, in any direction, most
   // of it forward, where a robot meets things.
@@ -70,7 +71,16 @@ RunResult RamExperiment::Run(std::uint64_t seed,
     run.bus()->Publish(kMotionRequest, request);
     ++request.seq;
   }
-  (void)run.Run([](const Trip& /*trip*/) { return false; }, limit);
+  const ObstacleMap walls = WallsOf(simulator);
+  constexpr double kFarEnough = 1.0;  // m.
+  double nearest = kFarEnough;
+  const auto look = [&](const Trip& trip) {
+    if (!trip.X_WR) return false;
+    const auto found = walls.Nearest(trip.X_WR->position(), nearest);
+    if (found) nearest = found->distance;
+    return false;
+  };
+  (void)run.Run(look, limit);
   RunResult result;
   result.seed = seed;
   result.num_touches = run.trip().num_touches;
@@ -78,6 +88,8 @@ RunResult RamExperiment::Run(std::uint64_t seed,
   if (!result.is_success) result.reason = "touched";
   result.way_m = run.trip().way_m;
   result.duration_s = run.duration_s();
+  // Of the body, at most; below 0 the least gap that was left.
+  result.figures = {{"into_walls_m", config_.simulator.robot.radius - nearest}};
   return result;
 }
 

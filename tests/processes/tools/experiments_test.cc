@@ -114,6 +114,23 @@ TEST_F(ExperimentsTest, BehindTheGuardNothingIsTouched) {
   EXPECT_GT(way, 4.0);  // It does move.
 }
 
+TEST_F(ExperimentsTest, WithoutTheGuardItTouchesAndNeverPassesThrough) {
+  RamExperiment ram;
+  Prepare(&ram,
+          {"simulator.world=random",
+           "collision_guard.ranges.use=none",
+           "collision_guard.contact_hold_s=0",
+           "duration_s=20"});
+  std::int64_t num_touches = 0;
+  for (std::uint64_t seed = 1001; seed <= 1020; ++seed) {
+    const RunResult result = ram.Run(seed, "");
+    ASSERT_EQ(result.figures[0].first, "into_walls_m");
+    EXPECT_LE(result.figures[0].second, 0.0) << "world random:" << seed;
+    num_touches += result.num_touches;
+  }
+  EXPECT_GT(num_touches, 20);
+}
+
 // The thousands of the README, in small.
 TEST_F(ExperimentsTest, InRandomWorldsNothingIsTouched) {
   for (const char* kind : {"sonar", "lidar"}) {
