@@ -1,7 +1,7 @@
 #include "drivers/simulator/finishes.h"
 
-#include "drivers/simulator/image_file.h"
 #include "drivers/simulator/material_pattern.h"
+#include "drivers/video/image_file.h"
 #include "estimation/base/input_error.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ const std::vector<BuiltIn>& BuiltIns() {
 
 cv::Mat3b ReadImage(const std::string& path, const std::string& where) {
   try {
-    return LoadImageFile(path);
+    return LoadImageFile(path, ImageFileColor::kBgr);
   } catch (const InputError& error) {
     throw InputError(where + ": image: " + error.what());
   }

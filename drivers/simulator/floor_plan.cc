@@ -1,7 +1,7 @@
 #include "drivers/simulator/floor_plan.h"
 
-#include "drivers/simulator/image_file.h"
 #include "drivers/simulator/wall_outline.h"
+#include "drivers/video/image_file.h"
 #include "estimation/base/input_error.h"
 
 #include <opencv2/imgproc.hpp>
@@ -115,7 +115,7 @@ FloorPlan FloorPlanFromImage(const cv::Mat1b& image,
 FloorPlan LoadFloorPlan(const std::string& path,
                         const FloorPlanOptions& options) {
   options.Check();
-  cv::Mat image = LoadImageFile(path, true);
+  cv::Mat image = LoadImageFile(path, ImageFileColor::kAsStored);
   if (image.depth() != CV_8U) {  // 16 bits a channel.
     image.convertTo(image, CV_8U, 1.0 / 257.0);
   }

@@ -1,8 +1,8 @@
 #include "drivers/simulator/gltf_document.h"
 
-#include "drivers/simulator/image_file.h"
 #include "drivers/simulator/mesh_file.h"
 #include "estimation/base/input_error.h"
+#include "estimation/base/whole_file.h"
 
 #include <filesystem>
 #include <string_view>

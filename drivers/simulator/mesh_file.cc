@@ -1,7 +1,7 @@
 #include "drivers/simulator/mesh_file.h"
 
-#include "drivers/simulator/image_file.h"
 #include "drivers/simulator/mesh_source.h"
+#include "drivers/video/image_file.h"
 #include "estimation/base/check.h"
 #include "estimation/base/input_error.h"
 
@@ -258,8 +258,14 @@ class MeshFile {
     const std::string where = path_ + ", material '" + material + "', texture ";
     cv::Mat3b texture;
     try {
-      texture = source.path.empty() ? DecodeImage(source.bytes, source.name)
-                                    : LoadImageFile(source.path);
+      texture =
+          source.path.empty()
+              ? DecodeImage(
+                    {reinterpret_cast<const std::uint8_t*>(source.bytes.data()),
+                     source.bytes.size()},
+                    source.name,
+                    ImageFileColor::kBgr)
+              : LoadImageFile(source.path, ImageFileColor::kBgr);
     } catch (const InputError& error) {
       throw InputError(where + error.what());
     }

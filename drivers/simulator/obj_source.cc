@@ -1,7 +1,7 @@
-#include "drivers/simulator/image_file.h"
 #include "drivers/simulator/mesh_file.h"
 #include "drivers/simulator/mesh_source.h"
 #include "estimation/base/input_error.h"
+#include "estimation/base/whole_file.h"
 
 #include <algorithm>
 #include <array>

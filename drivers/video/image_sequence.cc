@@ -1,11 +1,9 @@
 #include "drivers/video/image_sequence.h"
 
-#include "drivers/video/jpeg_size.h"
-#include "drivers/video/quiet_opencv.h"
+#include "drivers/video/image_file.h"
 #include "estimation/base/input_error.h"
 
 #include <glob.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <array>
@@ -14,7 +12,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 #include <system_error>
@@ -212,30 +209,12 @@ std::optional<Duration> ImageSequence::NextTime() {
 
 std::optional<cv::Mat> ImageSequence::Read(std::string* error) {
   const std::string& path = entries_[next_++].path;
-  std::ifstream in(path, std::ios::binary);
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in),
-                                        std::istreambuf_iterator<char>()};
-  if (!in) {
-    *error = path + ": cannot be read";
-    return std::nullopt;
-  }
-  std::string reason;
-  if (IsJpeg(bytes) && !SizeOfWholeJpeg(bytes, &reason)) {
-    *error = path + ": " + reason;
-    return std::nullopt;
-  }
-  const QuietOpenCv quiet;
-  cv::Mat image;
   try {
-    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_ANYCOLOR);
-  } catch (const cv::Exception&) {
-    image.release();
-  }
-  if (image.empty()) {
-    *error = path + ": is no image that can be decoded";
+    return LoadImageFile(path, ImageFileColor::kGrayOrBgr);
+  } catch (const InputError& refusal) {
+    *error = refusal.what();
     return std::nullopt;
   }
-  return image;
 }
 
 }  // namespace waymark

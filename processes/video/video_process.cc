@@ -77,6 +77,8 @@ void VideoProcess::Publish(const Frame& frame) {
     bus_->Publish(image_channel_, *message);
   } else {
     image_fault_ = reason;
+    if (reason != last_refusal_) spdlog::warn("{}; not sent", reason);
+    last_refusal_ = reason;
   }
 }
 

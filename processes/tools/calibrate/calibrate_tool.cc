@@ -1,5 +1,6 @@
 #include "processes/tools/calibrate/calibrate_tool.h"
 
+#include "drivers/video/image_file.h"
 #include "estimation/base/input_error.h"
 #include "estimation/camera/board_detector.h"
 #include "estimation/camera/calibrate_camera.h"
@@ -15,8 +16,7 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -85,21 +85,6 @@ CalibrationOptions OptionsOf(const Request& request) {
   return options;
 }
 
-// By way of memory: OpenCV says more than one line of a file it cannot read.
-cv::Mat ReadImage(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes(std::istreambuf_iterator<char>(file), {});
-  if (!file) throw InputError(path + ": cannot be read");
-  cv::Mat image;
-  try {
-    if (!bytes.empty()) image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception& error) {
-    throw InputError(path + ": " + error.err);
-  }
-  if (image.empty()) throw InputError(path + ": is no image that can be read");
-  return image;
-}
-
 std::vector<BoardImage> FindBoards(const Request& request,
                                    const ChessBoard& board,
                                    ImageSize* size) {
@@ -109,7 +94,7 @@ std::vector<BoardImage> FindBoards(const Request& request,
   for (std::size_t i = 0; i < request.images.size(); ++i) {
     const std::string& path = request.images[i];
     progress.Show(static_cast<std::int64_t>(i));
-    const cv::Mat image = ReadImage(path);
+    const cv::Mat image = LoadImageFile(path, ImageFileColor::kGray);
     const ImageSize now{image.cols, image.rows};
     if (i == 0) *size = now;
     if (!(now == *size)) {
@@ -153,11 +138,12 @@ void WritePictures(const Request& request,
   if (request.pictures.empty()) return;
   for (std::size_t i = 0; i < images.size(); ++i) {
     const std::string path = PicturePath(request, images[i].path);
-    if (!cv::imwrite(path,
-                     DrawResiduals(ReadImage(images[i].path),
-                                   images[i].view,
-                                   calibration.views[i],
-                                   calibration.camera))) {
+    if (!cv::imwrite(
+            path,
+            DrawResiduals(LoadImageFile(images[i].path, ImageFileColor::kGray),
+                          images[i].view,
+                          calibration.views[i],
+                          calibration.camera))) {
       throw InputError(path + ": cannot be written");
     }
   }
@@ -175,9 +161,16 @@ void CheckOutputs(const Request& request) {
   if (!std::filesystem::is_directory(request.pictures)) {
     throw InputError(request.pictures + ": cannot be made");
   }
+  std::set<std::string> paths;
   for (const std::string& image : request.images) {
-    CheckOutput(
-        PicturePath(request, image), request.if_exists(), request.images);
+    const std::string path = PicturePath(request, image);
+    if (!paths.insert(path).second) {
+      throw InputError(image +
+                       ": another image has the same name: there is "
+                       "one " +
+                       path + " for both");
+    }
+    CheckOutput(path, request.if_exists(), request.images);
   }
 }
 

@@ -102,7 +102,7 @@ TEST(FrameSource, CorruptImagesAreSkippedWithALineEach) {
   const auto source = Open({.source = directory / "", .rate_hz = 20.0});
   EXPECT_THAT(Play(source.get(), 200), ElementsAre(Pair{0, 0}, Pair{2, 100}));
   EXPECT_THAT(source->TakeWarnings(),
-              ElementsAre(HasSubstr("image1.png: is no image")));
+              ElementsAre(HasSubstr("image1.png: is no PNG")));
   EXPECT_TRUE(source->TakeWarnings().empty());
   EXPECT_EQ(source->Fault(), "");
 }

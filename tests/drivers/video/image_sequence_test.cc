@@ -134,9 +134,9 @@ TEST(ImageSequence, ImagesThatAreNoneAreOneLineEach) {
   EXPECT_THAT(numbers, ElementsAre(0, 5));
   ASSERT_EQ(errors.size(), 4u);
   EXPECT_THAT(errors[0], HasSubstr("2.jpg: JPEG cut short at"));
-  EXPECT_THAT(errors[1], HasSubstr("3.jpg: is no image"));
-  EXPECT_THAT(errors[2], HasSubstr("4.png: is no image"));
-  EXPECT_THAT(errors[3], HasSubstr("5.png: is no image"));
+  EXPECT_THAT(errors[1], HasSubstr("3.jpg: is no PNG"));
+  EXPECT_THAT(errors[2], HasSubstr("4.png: the image is broken"));
+  EXPECT_THAT(errors[3], HasSubstr("5.png: is no PNG"));
 }
 
 }  // namespace

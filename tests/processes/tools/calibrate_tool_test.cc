@@ -129,9 +129,9 @@ TEST_F(CalibrateTool, BadInputIsOneLine) {
     return error_;
   };
   EXPECT_THAT(error({text, "--square", "0.04"}),
-              HasSubstr("text.png: is no image"));
+              HasSubstr("text.png: is no PNG"));
   EXPECT_THAT(error({"none.png", "--square", "0.04"}),
-              HasSubstr("none.png: cannot be read"));
+              HasSubstr("none.png: cannot be opened"));
   EXPECT_THAT(error({blank, other, "--square", "0.04"}),
               HasSubstr("is 20 x 30 px, the first image 30 x 20"));
   EXPECT_THAT(error({blank, "--square", "0.04"}),
