@@ -2,6 +2,7 @@
 
 #include "estimation/base/input_error.h"
 #include "estimation/camera/camera_parameters.h"
+#include "estimation/camera/hyperbolic_mirror.h"
 #include "estimation/geometry/angle.h"
 #include "processes/support/configuration.h"
 #include "processes/support/shipped_file.h"
@@ -10,13 +11,20 @@
 #include <functional>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace waymark {
 namespace {
 
-// Widest and highest image: what a message could still carry.
-constexpr std::int64_t kMaxPixels = 20000;
+// Widest and highest image, and most pixels: those of image files.
+constexpr std::int64_t kMaxSide = 16384;
+constexpr std::int64_t kMaxPixels = 1 << 26;
+// Focal lengths and centres, px, far beyond any camera's: what is larger is a
+// slip, and would make every ray the same.
+constexpr double kMaxFocal = 1e6;
+constexpr double kMaxDistortion = 1e4;
+constexpr double kMaxXi = 100.0;
 constexpr double kMaxPosition = 100.0;  // m.
 
 struct Contents {
@@ -24,6 +32,7 @@ struct Contents {
   std::int64_t width = 0;
   std::int64_t height = 0;
   std::vector<double> values;  // Of ParameterNames(kind).
+  std::vector<double> mirror;  // Semi-axes, m; empty: none.
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
@@ -41,15 +50,31 @@ struct Contents {
       kinds.emplace_back(NameOf(k), k);
     }
     d.Choice("model", &kind, kinds, "How rays become pixels");
-    d.Integer("width", &width, 1, kMaxPixels, "Of the image, px");
-    d.Integer("height", &height, 1, kMaxPixels, "Of the image, px");
+    d.Integer("width", &width, 1, kMaxSide, "Of the image, px");
+    d.Integer("height", &height, 1, kMaxSide, "Of the image, px");
     const std::vector<std::string>& names = ParameterNames(kind);
     values.resize(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
-      d.Number(names[i], &values[i], {}, i < 4 ? "px" : "Of the lens");
+      d.Number(names[i],
+               &values[i],
+               RangeOf(names[i], i),
+               i < 4 ? "px" : "Of the lens");
+    }
+    if (kind == CameraKind::kSphere) {
+      d.Numbers("mirror",
+                &mirror,
+                2,
+                "Semi-axes a, b of a hyperbolic mirror, m, instead of xi; fx, "
+                "fy are the lens's then; empty: none");
     }
     d.Group(
         "mounting", [&] { DescribeMounting(d); }, "On the robot, X_RC");
+  }
+
+  static Range RangeOf(const std::string& name, std::size_t i) {
+    if (name == "xi") return {0.0, kMaxXi};
+    const double bound = i < 4 ? kMaxFocal : kMaxDistortion;
+    return {-bound, bound};
   }
 
   void DescribeMounting(Describer& d) {
@@ -76,20 +101,40 @@ Eigen::Matrix3d TurnOf(double yaw, double pitch, double roll) {
       .toRotationMatrix();
 }
 
+// Throws std::invalid_argument where the model refuses a value.
+CameraModel ModelOf(const Contents& contents) {
+  const CameraModel model = CameraFromParameters(
+      contents.kind,
+      Eigen::Map<const Eigen::VectorXd>(
+          contents.values.data(),
+          static_cast<Eigen::Index>(contents.values.size())));
+  if (contents.mirror.empty()) return model;
+  const SphereCamera& lens = std::get<SphereCamera>(model);
+  if (lens.xi() != 0.0) {
+    throw std::invalid_argument("mirror must not be beside xi");
+  }
+  return CameraFromMirror({contents.mirror[0], contents.mirror[1]},
+                          lens.intrinsics(),
+                          lens.distortion());
+}
+
 CameraDescription CameraOf(const Contents& contents,
                            const std::string& source) {
   if (contents.width == 0 || contents.height == 0) {
     throw InputError(source + ": width and height are missing");
   }
+  if (contents.values[0] == 0.0 || contents.values[1] == 0.0) {
+    throw InputError(source + ": fx and fy must be given, not 0");
+  }
+  if (contents.width * contents.height > kMaxPixels) {
+    throw InputError(source + ": width x height must be at most " +
+                     std::to_string(kMaxPixels) + " pixels");
+  }
   CameraDescription camera;
   camera.size = {static_cast<int>(contents.width),
                  static_cast<int>(contents.height)};
   try {
-    camera.model = CameraFromParameters(
-        contents.kind,
-        Eigen::Map<const Eigen::VectorXd>(
-            contents.values.data(),
-            static_cast<Eigen::Index>(contents.values.size())));
+    camera.model = ModelOf(contents);
   } catch (const std::invalid_argument& error) {
     throw InputError(source + ": " + error.what());
   }

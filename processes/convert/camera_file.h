@@ -33,6 +33,8 @@ struct CameraDescription {
 //   height: 1024
 //   fx: 330.2                # then the others of ParameterNames(kind); those
 //   ...                      # of the lens may be left out and are 0 then
+//   mirror: [0.03, 0.04]     # sphere: semi-axes of a hyperbolic mirror, m,
+//                            # instead of xi; fx, fy are the lens's then
 //   mounting:                # X_RC; may be left out: at R, looking forward
 //     x: 0.1                 # m
 //     y: 0.0

@@ -78,7 +78,7 @@ void WorldReader::ReadMaterials(YamlGroup* root) {
     material.name = name;
     material.look = ReadLook(&*group);
     group->Finish();
-    world_->materials.push_back(std::move(material));
+    Put(std::move(material), &world_->materials);
   }
 }
 

@@ -66,7 +66,7 @@ void WorldReader::ReadPoses(YamlGroup* root) {
   if (!places) return;
   for (const std::string& name : places->keys()) {
     const auto row = places->Numbers(name, 3, {-360.0, 360.0});
-    world_->places.push_back({places->Where(name), name, pose(*row)});
+    Put(WorldPose{places->Where(name), name, pose(*row)}, &world_->places);
   }
 }
 
@@ -75,7 +75,7 @@ void WorldReader::ReadRoutes(YamlGroup* root) {
   if (!routes) return;
   for (const std::string& name : routes->keys()) {
     const auto rows = routes->Rows(name, 2, 2, kCoordinate);
-    world_->routes.push_back({routes->Where(name), name, Points(*rows)});
+    Put(WorldRoute{routes->Where(name), name, Points(*rows)}, &world_->routes);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace waymark {
@@ -32,6 +33,18 @@ inline constexpr Range kLight{0.0, 10.0};
                              Range range);
 // Of the key `seed`.
 [[nodiscard]] std::uint64_t Seed(YamlGroup* group, std::uint64_t otherwise);
+
+// In place of the one of the same name, which a base may have given.
+template <typename Named>
+void Put(Named value, std::vector<Named>* all) {
+  for (Named& known : *all) {
+    if (known.name == value.name) {
+      known = std::move(value);
+      return;
+    }
+  }
+  all->push_back(std::move(value));
+}
 
 // "a, b, c".
 [[nodiscard]] std::string Joined(const std::vector<std::string>& names);

@@ -104,6 +104,19 @@ TEST(CameraFile, CamerasThatLookUpOrDownLoadBack) {
   }
 }
 
+// a 3, b 4 have c = 5: e = 5 / 3, xi = 2 e / (1 + e^2) = 15 / 17.
+TEST(CameraFile, AHyperbolicMirrorByItsSemiAxes) {
+  const CameraDescription camera = CameraFromYaml(
+      "model: sphere\nwidth: 640\nheight: 640\nfx: 680\nfy: -680\n"
+      "cx: 320\ncy: 320\nmirror: [0.03, 0.04]\n",
+      "camera.yaml");
+  const auto& sphere = std::get<SphereCamera>(camera.model);
+  EXPECT_NEAR(sphere.xi(), 15.0 / 17.0, 1e-15);
+  // Times (e^2 - 1) / (e^2 + 1) = 8 / 17.
+  EXPECT_NEAR(sphere.intrinsics().fx, 320.0, 1e-12);
+  EXPECT_NEAR(sphere.intrinsics().fy, -320.0, 1e-12);
+}
+
 TEST(CameraFile, BadOnesAreOneLine) {
   const std::string good =
       "model: sphere\nwidth: 640\nheight: 480\nfx: 300\nfy: -300\ncx: 320\n"
@@ -122,8 +135,18 @@ TEST(CameraFile, BadOnesAreOneLine) {
               HasSubstr("mounting.head"));
   EXPECT_THAT(ErrorOf(good + "mounting:\n  head: [0, 0, 500]\n"),
               HasSubstr("mounting.head must be within +-100 m"));
-  EXPECT_THAT(ErrorOf("width: 0\n"), HasSubstr("[1, 20000]"));
+  EXPECT_THAT(ErrorOf("width: 0\n"), HasSubstr("[1, 16384]"));
   EXPECT_THAT(ErrorOf("fx: .nan\n"), HasSubstr("fx"));
+  EXPECT_THAT(ErrorOf("width: 9\nheight: 9\nfy: 3\n"),
+              HasSubstr("fx and fy must be given"));
+  EXPECT_THAT(ErrorOf("width: 16384\nheight: 16384\nfx: 9\nfy: 9\n"),
+              HasSubstr("at most 67108864 pixels"));
+  EXPECT_THAT(ErrorOf("model: sphere\nxi: 1e300\n"), HasSubstr("[0, 100]"));
+  const std::string mirror =
+      "model: sphere\nwidth: 9\nheight: 9\nfx: 9\nfy: 9\nmirror: ";
+  EXPECT_THAT(ErrorOf(mirror + "[1, 1]\nxi: 0.5\n"),
+              HasSubstr("mirror must not be beside xi"));
+  EXPECT_THAT(ErrorOf(mirror + "[1, -1]\n"), HasSubstr("b"));
 }
 
 TEST(CameraFile, AllThatComeWithWaymarkLoad) {

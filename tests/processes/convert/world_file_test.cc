@@ -3,11 +3,13 @@
 #include "drivers/simulator/build_scene.h"
 #include "drivers/simulator/random_world.h"
 #include "estimation/base/input_error.h"
+#include "tests/support/temporary_directory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 
 namespace waymark {
@@ -220,6 +222,27 @@ TEST(WorldFile, RandomWorldsHaveNamesInPlaceOfFiles) {
                     "18446744073709551615");
     }
   }
+}
+
+TEST(WorldFile, ReplacesWhatItsBaseHasOfTheSameName) {
+  const TemporaryDirectory folder;
+  std::ofstream(folder / "base.yaml")
+      << "rooms: [{name: hall, rectangle: [0, 0, 8, 4], floor: mine}]\n"
+         "materials: {mine: {pattern: paint, color: [10, 20, 30]}}\n"
+         "places: {desk: [1, 1, 0], door: [2, 2, 0]}\n"
+         "routes: {round: [[1, 1], [2, 2]]}\n";
+  const World world = WorldFromYaml(
+      "base: base.yaml\n"
+      "materials: {mine: {pattern: paint, color: [90, 20, 30]}}\n"
+      "places: {desk: [3, 1, 0]}\n"
+      "routes: {round: [[1, 1], [3, 3]]}\n",
+      folder / "own.yaml");
+  ASSERT_EQ(world.materials.size(), 1u);
+  EXPECT_EQ(world.materials[0].look.pattern.color, cv::Vec3b(30, 20, 90));
+  ASSERT_EQ(world.places.size(), 2u);
+  EXPECT_EQ(world.places[0].X_WR.x, 3.0);
+  ASSERT_EQ(world.routes.size(), 1u);
+  EXPECT_EQ(world.routes[0].points[1].x(), 3.0);
 }
 
 }  // namespace
