@@ -121,6 +121,8 @@ class Simulation {
   [[nodiscard]] Time now() const { return now_; }
   // Of the next event; nothing happens before.
   [[nodiscard]] Time NextTime() const;
+  // Of the next EncoderEvent.
+  [[nodiscard]] Time NextEncoderTime() const { return DueTime(encoder_clock_); }
 
   // As SimulatedRobot::Command; acts at once but for the step under way.
   void Command(double forward, double turn_rate);

@@ -75,10 +75,11 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
   bus->Advertise<base_status_t>(kBase);
   bus->Advertise<truth_t>(kTruth);
   if (range_options_) bus->Advertise<planar_lidar_t>(kRanges);
+  // Stepped, no other command may displace the answer.
   bus->Subscribe<velocity_t>(
-      kMotionCommand, Keep::Latest(), [this](const velocity_t& m, Time t) {
-        OnCommand(m, t);
-      });
+      kMotionCommand,
+      config.pace == Pace::kStepped ? Keep::All() : Keep::Latest(),
+      [this](const velocity_t& m, Time t) { OnCommand(m, t); });
   bus->Subscribe<pan_tilt_t>(kPanTiltCommand,
                              Keep::Latest(),
                              [this](const pan_tilt_t& m, Time) { OnHead(m); });
@@ -186,8 +187,7 @@ void SimulatorProcess::OnStepTick(Time now) {
 void SimulatorProcess::Step(Time now) {
   // Set first: on a bus in the same thread the answer may come at once.
   asked_at_ = now;
-  const bool is_first = !unanswered_;
-  unanswered_ = is_first ? simulation_->now() : simulation_->now() + period_;
+  unanswered_ = simulation_->NextEncoderTime();
   AdvanceTo(*unanswered_);
 }
 
@@ -199,12 +199,10 @@ void SimulatorProcess::OnCommand(const velocity_t& message, Time t) {
   }
   if (!simulation_) return;
   simulation_->Command(message.forward, message.turn_rate);
-  // What the guard sends because nobody asks has no source, and its own time.
-  if (config_.pace != Pace::kStepped || !unanswered_ || t < *unanswered_ ||
-      message.source.empty()) {
-    return;
-  }
-  Step(bus_->now());
+  // All others are obeyed, too, but answer nothing: late ones, those of who
+  // goes by another clock, and what the guard sends because nobody asks.
+  const bool is_answer = unanswered_ == t && !message.source.empty();
+  if (config_.pace == Pace::kStepped && is_answer) Step(bus_->now());
 }
 
 void SimulatorProcess::OnHead(const pan_tilt_t& message) {

@@ -29,8 +29,13 @@ namespace waymark {
 //
 // Paced by the bus's clock (live: real time or a multiple; on LocalBus
 // lock-step), or stepped: each ENCODERS waits for the MOTION_COMMAND that
-// answers it, which carries its utime. Both give the same trajectory for the
-// same seed, since nothing else depends on the clock.
+// answers it, which carries its utime and a source. Both give the same
+// trajectory for the same seed, since nothing else depends on the clock.
+//
+// Stepped, a command with any other utime is obeyed from the next step on, but
+// no time passes for it. So teleop, which goes by a clock of its own, steers
+// only what another process steps; alone it gets one step per answer_timeout_s,
+// and STATUS says so.
 class SimulatorProcess {
  public:
   using Config = SimulatorConfig;

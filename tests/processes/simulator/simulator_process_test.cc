@@ -226,6 +226,55 @@ TEST_F(SimulatorProcessTest, SteppedGoesAsFastAsItIsAnswered) {
   EXPECT_EQ(world.Status("simulator").fault, "");
 }
 
+// 1/30 and 1/70 s are no whole numbers of microseconds.
+TEST_F(SimulatorProcessTest, SteppedGoesOnAtAnyEncoderRate) {
+  config_.pace = Pace::kStepped;
+  for (const double rate_hz : {30.0, 70.0}) {
+    config_.encoder_rate_hz = rate_hz;
+    LocalBus world(kStart);
+    SimulatorProcess process(config_, world.AddProcess("simulator"));
+    Bus* driver = world.AddProcess("driver");
+    driver->Advertise<velocity_t>(kMotionCommand);
+    int num_answers = 0;
+    driver->Subscribe<encoders_t>(
+        kEncoders, Keep::All(), [&](const encoders_t&, Time t) {
+          if (++num_answers > 300) return;
+          driver->Publish(kMotionCommand, Velocity(t, 0.2, 0.0));
+        });
+    world.RunUntil(kStart + milliseconds(500));
+    const auto encoders = world.Messages<encoders_t>(kEncoders);
+    ASSERT_EQ(encoders.size(), 301u) << rate_hz << " Hz";
+    EXPECT_NEAR(
+        static_cast<double>(encoders[300].utime - encoders[0].utime) * 1e-6,
+        300.0 / rate_hz,
+        1e-6);
+  }
+}
+
+// Somebody with a clock of their own steers, but does not step.
+TEST_F(SimulatorProcessTest, SteppedTakesTheCommandOfItsOwnTimeForAnswer) {
+  config_.pace = Pace::kStepped;
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  Bus* driver = world.AddProcess("driver");
+  driver->Advertise<velocity_t>(kMotionCommand);
+  int num_answers = 0;
+  driver->Subscribe<encoders_t>(
+      kEncoders, Keep::All(), [&](const encoders_t&, Time t) {
+        for (const Duration off : {-milliseconds(7), milliseconds(7)}) {
+          driver->Publish(kMotionCommand, Velocity(t + off, 0.0, 0.3));
+        }
+        if (++num_answers > 100) return;
+        driver->Publish(kMotionCommand, Velocity(t, 0.2, 0.0));
+      });
+  world.RunUntil(kStart + milliseconds(500));
+  // Each step has the command that answered it; the 101st waits.
+  const auto truths = world.Messages<truth_t>(kTruth);
+  ASSERT_EQ(truths.size(), 101u);
+  EXPECT_EQ(truths.back().heading, 0.0);
+  EXPECT_GT(truths.back().x, 1.3);
+}
+
 // A guard that nobody asks anything sends zero, by its own clock.
 TEST_F(SimulatorProcessTest, SteppedTakesNoAnswerThatNobodyAskedFor) {
   config_.pace = Pace::kStepped;
