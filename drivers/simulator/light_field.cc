@@ -129,9 +129,15 @@ double LightField::VisibleShare(const SceneLamp& lamp,
   return all > 0.0 ? seen / all : 0.0;
 }
 
-Float4 LightField::Direct(const Vector3d& p_W, const Vector3d& n_W) const {
+Float4 LightField::Direct(const Vector3d& p_W,
+                          const Vector3d& n_W,
+                          LampSet among,
+                          LampSet* seen) const {
   Vector3d sum = Vector3d::Zero();
-  for (const SceneLamp& lamp : lamps_) {
+  for (std::size_t i = 0; i < lamps_.size(); ++i) {
+    const SceneLamp& lamp = lamps_[i];
+    const LampSet bit = LampSet{1} << (i % 64);
+    if ((among & bit) == 0) continue;
     // What it gives at most, from its nearest point.
     const Vector3d offset = lamp.p_W - p_W;
     if (offset.z() <= 0.0) continue;
@@ -143,7 +149,9 @@ Float4 LightField::Direct(const Vector3d& p_W, const Vector3d& n_W) const {
     }
     const Vector3d light = LampIrradiance(lamp, p_W, n_W) * lamp.radiance;
     if (light.maxCoeff() < kLeastLight) continue;
-    sum += VisibleShare(lamp, p_W, n_W) * light;
+    const double share = VisibleShare(lamp, p_W, n_W);
+    sum += share * light;
+    if (share > 0.0 && seen != nullptr) *seen |= bit;
   }
   return Colour(sum);
 }

@@ -33,10 +33,18 @@ class LightField {
  public:
   explicit LightField(const Scene& scene, const LightFieldOptions& options);
 
+  // A set of lamps: bit i stands for the lamps i, i + 64, ...
+  using LampSet = std::uint64_t;
+  static constexpr LampSet kAllLamps = ~LampSet{0};
+
   // By the lamps, at p_W with unit normal n_W: exact where a lamp is seen
-  // wholly; of lamps seen in part the share that shadow rays find.
+  // wholly; of lamps seen in part the share that shadow rays find. Lamps that
+  // are not `among` the given ones are left out; those that give light are
+  // added to `seen` where it is not null.
   [[nodiscard]] Float4 Direct(const Eigen::Vector3d& p_W,
-                              const Eigen::Vector3d& n_W) const;
+                              const Eigen::Vector3d& n_W,
+                              LampSet among = kAllLamps,
+                              LampSet* seen = nullptr) const;
 
   // Light that a surface of the static mesh throws back at one of its points,
   // toward where the direction comes from.

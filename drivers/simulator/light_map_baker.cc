@@ -48,37 +48,6 @@ Float4 Mix(const Float4& a, const Float4& b, float share) {
   return a + Broadcast(share) * (b - a);
 }
 
-// Nodes inside solid things take the mean of their neighbours outside, ring
-// after ring, so that their darkness does not shine out.
-template <typename Node>
-void Unbury(int num, std::span<Node> nodes) {
-  for (int round = 0; round < num; ++round) {
-    std::vector<std::pair<std::size_t, Float4>> found;
-    for (int y = 0; y < num; ++y) {
-      for (int x = 0; x < num; ++x) {
-        const auto here = static_cast<std::size_t>(y * num + x);
-        if (!nodes[here].is_buried) continue;
-        Float4 sum{};
-        float count = 0.0f;
-        for (int j = std::max(0, y - 1); j <= std::min(num - 1, y + 1); ++j) {
-          for (int i = std::max(0, x - 1); i <= std::min(num - 1, x + 1); ++i) {
-            const Node& other = nodes[static_cast<std::size_t>(j * num + i)];
-            if (other.is_buried) continue;
-            sum += other.light;
-            count += 1.0f;
-          }
-        }
-        if (count > 0.0f) found.emplace_back(here, sum / Broadcast(count));
-      }
-    }
-    if (found.empty()) return;
-    for (const auto& [index, light] : found) {
-      nodes[index].light = light;
-      nodes[index].is_buried = false;
-    }
-  }
-}
-
 }  // namespace
 
 LightMapBaker::LightMapBaker(const Scene& scene,
@@ -173,10 +142,11 @@ void LightMapBaker::DirectRow(const Row& row) {
     const Vector3d p_W =
         NearestInside(scene_.mesh, triangles, chart.Point(Vector2d(x, row.y)));
     for (const int side : {0, 1}) {
-      Node& node = nodes_[NodeIndex(row.chart, side, x, row.y)];
+      LightNode& node = nodes_[NodeIndex(row.chart, side, x, row.y)];
       const Vector3d n_W = Facing(chart, side);
       node.is_used = true;
-      node.direct = field_.Direct(p_W + kLift * n_W, n_W);
+      node.direct = field_.Direct(
+          p_W + kLift * n_W, n_W, LightField::kAllLamps, &node.lamps);
     }
   }
 }
@@ -205,9 +175,9 @@ Float4 LightMapBaker::ThrownBack(std::uint32_t triangle,
          Mix(Mix(at(0, 0), at(1, 0), fx), Mix(at(0, 1), at(1, 1), fx), fy);
 }
 
-void LightMapBaker::LightNode(const Vector3d& p_W,
-                              const Vector3d& n_W,
-                              Node* node) const {
+void LightMapBaker::Light(const Vector3d& p_W,
+                          const Vector3d& n_W,
+                          LightNode* node) const {
   const LightField::Gathered gathered =
       field_.Gather(p_W + kLift * n_W,
                     n_W,
@@ -228,9 +198,9 @@ void LightMapBaker::GatherRow(const Row& row) {
     if (!nodes_[NodeIndex(row.chart, 0, x, row.y)].is_used) continue;
     const Vector3d p_W = CornerPoint(chart, x, row.y);
     for (const int side : {0, 1}) {
-      LightNode(p_W,
-                Facing(chart, side),
-                &nodes_[NodeIndex(row.chart, side, x, row.y)]);
+      Light(p_W,
+            Facing(chart, side),
+            &nodes_[NodeIndex(row.chart, side, x, row.y)]);
     }
   }
 }
@@ -247,7 +217,7 @@ int LightMapBaker::StepsOf(std::size_t chart, int side, int x, int y) const {
   for (int i = 0; i < 4; ++i) {
     const int corner_x = x + i % 2;
     const int corner_y = y + i / 2;
-    const Node& node = nodes_[NodeIndex(chart, side, corner_x, corner_y)];
+    const LightNode& node = nodes_[NodeIndex(chart, side, corner_x, corner_y)];
     const Vector3d p_W = CornerPoint(c, corner_x, corner_y);
     points[static_cast<std::size_t>(i)] = p_W + kLift * Facing(c, side);
     is_border |= (p_W - c.Point(Vector2d(corner_x, corner_y))).norm() >
@@ -291,29 +261,59 @@ void LightMapBaker::AssignNodes() {
   map_->nodes_.resize(num_nodes);
 }
 
+// Most lamps are behind walls, and are not looked for again inside a cell:
+// those count that light one of the sixteen nodes about it.
+LightField::LampSet LightMapBaker::LampsAbout(std::size_t chart,
+                                              int side,
+                                              int x,
+                                              int y) const {
+  const LightChart& c = map_->charts_[chart];
+  LightField::LampSet lamps = 0;
+  for (int j = std::max(0, y - 1); j <= std::min(c.height, y + 2); ++j) {
+    for (int i = std::max(0, x - 1); i <= std::min(c.width, x + 2); ++i) {
+      lamps |= nodes_[NodeIndex(chart, side, i, j)].lamps;
+    }
+  }
+  return lamps;
+}
+
 void LightMapBaker::FillCell(std::size_t chart, int side, int x, int y) {
   const LightChart& c = map_->charts_[chart];
   const std::size_t index = CellIndex(chart, side, x, y);
   const int steps = 1 << log_steps_[index];
-  std::array<Node, kMostNodes> nodes;
-  for (int j = 0; j <= steps; ++j) {
-    for (int i = 0; i <= steps; ++i) {
-      Node& node = nodes[static_cast<std::size_t>(j * (steps + 1) + i)];
-      if (i % steps == 0 && j % steps == 0) {
-        node = nodes_[NodeIndex(chart, side, x + i / steps, y + j / steps)];
-        continue;
-      }
-      const Vector2d place(x + static_cast<double>(i) / steps,
-                           y + static_cast<double>(j) / steps);
-      const Vector3d p_W =
-          NearestInside(scene_.mesh, c.CellTriangles(x, y), c.Point(place));
-      const Vector3d n_W = Facing(c, side);
-      node.direct = field_.Direct(p_W + kLift * n_W, n_W);
-      LightNode(p_W, n_W, &node);
+  const Vector3d n_W = Facing(c, side);
+  const auto point = [&](const LightNodePlace& at) {
+    const Vector2d place(x + static_cast<double>(at.x) / steps,
+                         y + static_cast<double>(at.y) / steps);
+    return NearestInside(scene_.mesh, c.CellTriangles(x, y), c.Point(place));
+  };
+  const LightField::LampSet lamps = LampsAbout(chart, side, x, y);
+  LightCellSource source;
+  source.compute = [&](const LightNodePlace& at) {
+    const Vector3d p_W = point(at);
+    LightNode node;
+    node.direct = field_.Direct(p_W + kLift * n_W, n_W, lamps);
+    Light(p_W, n_W, &node);
+    return node;
+  };
+  source.are_apart = [&](std::span<const LightNodePlace> places) {
+    // Of other cells it is known that nothing stands between their corners.
+    if (log_steps_[index] != kLogFinest) return false;
+    std::array<Vector3d, 4> points;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      points[i] = point(places[i]) + kLift * n_W;
     }
+    return field_.AreApart(std::span(points).first(places.size()));
+  };
+  std::array<LightNode, kMostNodes> nodes;
+  for (const int corner : {0, 1, 2, 3}) {
+    const int i = corner % 2;
+    const int j = corner / 2;
+    nodes[static_cast<std::size_t>(steps * (j * (steps + 1) + i))] =
+        nodes_[NodeIndex(chart, side, x + i, y + j)];
   }
   const auto num = static_cast<std::size_t>((steps + 1) * (steps + 1));
-  Unbury(steps + 1, std::span(nodes).first(num));
+  FillLightCell(steps, source, std::span(nodes).first(num));
   Float4* to = map_->nodes_.data() +
                (map_->cells_[index] & ((1u << LightMap::kIndexBits) - 1u));
   for (std::size_t i = 0; i < num; ++i) to[i] = nodes[i].light;

@@ -1,6 +1,7 @@
 // Computes a LightMap; used by it alone.
 #pragma once
 
+#include "drivers/simulator/light_cell.h"
 #include "drivers/simulator/light_map.h"
 
 #include <array>
@@ -25,13 +26,6 @@ class LightMapBaker {
   void Bake();
 
  private:
-  struct Node {
-    Float4 direct{};
-    Float4 light{};
-    // Inside something solid, where no light comes.
-    bool is_buried = false;
-    bool is_used = false;
-  };
   // A row of a chart.
   struct Row {
     std::size_t chart = 0;
@@ -57,9 +51,10 @@ class LightMapBaker {
   [[nodiscard]] Float4 ThrownBack(std::uint32_t triangle,
                                   const Eigen::Vector3f& p_W,
                                   const Eigen::Vector3f& direction) const;
-  void LightNode(const Eigen::Vector3d& p_W,
-                 const Eigen::Vector3d& n_W,
-                 Node* node) const;
+  // `node->direct` is there already.
+  void Light(const Eigen::Vector3d& p_W,
+             const Eigen::Vector3d& n_W,
+             LightNode* node) const;
 
   void Layout();
   void DirectRow(const Row& row);
@@ -68,6 +63,10 @@ class LightMapBaker {
   [[nodiscard]] int StepsOf(std::size_t chart, int side, int x, int y) const;
   void AssignNodes();
   void FillRow(const Row& row);
+  [[nodiscard]] LightField::LampSet LampsAbout(std::size_t chart,
+                                               int side,
+                                               int x,
+                                               int y) const;
   void FillCell(std::size_t chart, int side, int x, int y);
   void MendEdgesRow(const Row& row);
   void MendEdges(std::size_t chart, int side, int x, int y);
@@ -80,7 +79,7 @@ class LightMapBaker {
   std::vector<Row> node_rows_;
   std::vector<Row> cell_rows_;
   std::vector<std::size_t> first_node_;  // By chart; the back follows.
-  std::vector<Node> nodes_;
+  std::vector<LightNode> nodes_;
   std::vector<std::uint8_t> log_steps_;  // By cell; 255: not of the surface.
 };
 

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -19,7 +20,7 @@ std::uint32_t Pack(const cv::Vec3f& linear) {
   for (int c = 0; c < 3; ++c) {
     const float root = std::sqrt(std::clamp(linear[c], 0.0f, 1.0f));
     const auto field = static_cast<std::uint32_t>(
-        std::lround(root * static_cast<float>(kFieldMask)));
+        root * static_cast<float>(kFieldMask) + 0.5f);
     packed |= field << (kFieldBits * c);
   }
   return packed;
@@ -52,13 +53,15 @@ inline float Fraction(float value) {
 }
 
 cv::Mat3f Linear(const cv::Mat3b& image) {
+  std::array<float, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    table[i] = LinearFromSrgb(static_cast<std::uint8_t>(i));
+  }
   cv::Mat3f linear(image.size());
   for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      for (int c = 0; c < 3; ++c) {
-        linear(y, x)[c] = LinearFromSrgb(image(y, x)[c]);
-      }
-    }
+    const std::uint8_t* from = image.ptr<std::uint8_t>(y);
+    float* to = linear.ptr<float>(y);
+    for (int i = 0; i < 3 * image.cols; ++i) to[i] = table[from[i]];
   }
   return linear;
 }
@@ -94,11 +97,16 @@ void TextureSampler::AppendLevel(const cv::Mat3f& linear) {
   levels_.height[levels_.num] = linear.rows;
   levels_.first[levels_.num] = static_cast<int>(texels_.size());
   ++levels_.num;
-  for (int y = 0; y <= linear.rows; ++y) {
-    const auto* row = linear[y % linear.rows];
-    for (int x = 0; x < linear.cols; ++x) texels_.push_back(Pack(row[x]));
-    texels_.push_back(Pack(row[0]));
+  const auto stride = static_cast<std::size_t>(linear.cols) + 1;
+  const std::size_t first = texels_.size();
+  texels_.resize(first + stride * (static_cast<std::size_t>(linear.rows) + 1));
+  std::uint32_t* to = texels_.data() + first;
+  for (int y = 0; y < linear.rows; ++y) {
+    const cv::Vec3f* row = linear.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < linear.cols; ++x) *to++ = Pack(row[x]);
+    *to++ = Pack(row[0]);
   }
+  std::copy_n(texels_.data() + first, stride, to);
 }
 
 std::size_t TextureSampler::num_bytes() const {

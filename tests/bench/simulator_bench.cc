@@ -1,11 +1,14 @@
 // The simulator's pictures: rays and frames per second, and how good they are.
 
+#include "drivers/simulator/material_pattern.h"
 #include "drivers/simulator/renderer.h"
+#include "drivers/simulator/texture_sampler.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/box_scene.h"
 
 #include <embree3/rtcore.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -334,20 +337,67 @@ std::vector<BenchRow> BenchLight(bool full) {
   return {time, memory};
 }
 
+// ---- textures --------------------------------------------------------------
+
+// What a texture costs at the start beside the reading of the same picture from
+// a PNG, which is what a model with textures pays.
+std::vector<BenchRow> BenchTextures(bool full) {
+  const int num_runs = full ? 21 : 5;
+  std::vector<BenchRow> rows;
+  for (const PatternKind kind : {PatternKind::kPlaster,
+                                 PatternKind::kCarpet,
+                                 PatternKind::kNoticeboard,
+                                 PatternKind::kPicture}) {
+    PatternOptions options;
+    options.kind = kind;
+    std::vector<std::uint8_t> png;
+    cv::imencode(".png", MakePattern(options).image, png);
+    std::vector<double> draw_s;
+    std::vector<double> filter_s;
+    std::vector<double> peer_s;
+    double num_pixels = 0.0;
+    for (int i = 0; i < num_runs; ++i) {
+      cv::Mat3b image;
+      draw_s.push_back(TimeOf([&] { image = MakePattern(options).image; }));
+      filter_s.push_back(TimeOf([&] { TextureSampler{image}; }));
+      peer_s.push_back(
+          TimeOf([&] { image = cv::imdecode(png, cv::IMREAD_COLOR); }));
+      num_pixels = static_cast<double>(image.total());
+    }
+    const auto row = [&](const std::string& what, double seconds) {
+      BenchRow r;
+      r.id = "simulator-textures";
+      r.name = NameOf(kind) + ", " + what;
+      r.value = 1e-6 * num_pixels / seconds;
+      r.unit = "Mpixel/s of one core";
+      r.peer = "reading it from a PNG";
+      r.peer_value = 1e-6 * num_pixels / Median(peer_s);
+      r.ratio = r.value / *r.peer_value;
+      r.runs = num_runs;
+      return r;
+    };
+    rows.push_back(row("drawn", Median(draw_s)));
+    rows.push_back(row("made ready for sampling", Median(filter_s)));
+  }
+  return rows;
+}
+
 }  // namespace
 }  // namespace waymark
 
 int main(int argc, char** argv) {
-  return waymark::RunBenches(argc,
-                             argv,
-                             "simulator",
-                             {{"simulator-rays",
-                               "rays per second beside a bare Embree loop",
-                               waymark::BenchRays},
-                              {"simulator-frames",
-                               "frames per second and quality, by camera model",
-                               waymark::BenchFrames},
-                              {"simulator-light",
-                               "time and memory of the light",
-                               waymark::BenchLight}});
+  return waymark::RunBenches(
+      argc,
+      argv,
+      "simulator",
+      {{"simulator-rays",
+        "rays per second beside a bare Embree loop",
+        waymark::BenchRays},
+       {"simulator-frames",
+        "frames per second and quality, by camera model",
+        waymark::BenchFrames},
+       {"simulator-light", "time and memory of the light", waymark::BenchLight},
+       {"simulator-textures",
+        "time of textures at the start",
+        waymark::BenchTextures}});
 }

@@ -77,25 +77,25 @@ SceneLamp Lamp(const Vector3d& p_W, double size_x, double size_y) {
   return lamp;
 }
 
-// cos cos / d^2 summed up over the lamp, without its closed form.
+// cos cos / d^2 summed up over `num` x `num` parts of the lamp, without its
+// closed form.
 double BruteForce(const SceneLamp& lamp,
                   const Vector3d& p_W,
-                  const Vector3d& n_W) {
-  constexpr int kNum = 400;
+                  const Vector3d& n_W,
+                  int num = 100) {
   double sum = 0.0;
-  for (int i = 0; i < kNum; ++i) {
-    for (int j = 0; j < kNum; ++j) {
-      const Vector3d to_lamp =
-          lamp.p_W - p_W +
-          Vector3d(((i + 0.5) / kNum - 0.5) * lamp.size.x(),
-                   ((j + 0.5) / kNum - 0.5) * lamp.size.y(),
-                   0.0);
+  for (int i = 0; i < num; ++i) {
+    for (int j = 0; j < num; ++j) {
+      const Vector3d to_lamp = lamp.p_W - p_W +
+                               Vector3d(((i + 0.5) / num - 0.5) * lamp.size.x(),
+                                        ((j + 0.5) / num - 0.5) * lamp.size.y(),
+                                        0.0);
       const double square = to_lamp.squaredNorm();
       sum += std::max(0.0, n_W.dot(to_lamp)) * std::max(0.0, to_lamp.z()) /
              (square * square);
     }
   }
-  return sum * lamp.size.prod() / (kNum * kNum);
+  return sum * lamp.size.prod() / (num * num);
 }
 
 TEST(LampIrradiance, IsTheIntegralOverTheLamp) {
@@ -107,7 +107,7 @@ TEST(LampIrradiance, IsTheIntegralOverTheLamp) {
                        Vector3d(-1, 0.3, 0.2),
                        Vector3d(0, 0, -1)}) {
       n.normalize();
-      EXPECT_NEAR(LampIrradiance(lamp, p, n), BruteForce(lamp, p, n), 1e-5)
+      EXPECT_NEAR(LampIrradiance(lamp, p, n), BruteForce(lamp, p, n, 400), 1e-5)
           << p.transpose() << " | " << n.transpose();
     }
   }

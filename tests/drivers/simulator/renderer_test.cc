@@ -163,15 +163,17 @@ TEST(Renderer, SameBytesForAnyNumberOfThreads) {
   const CameraRays camera(Perspective(63, 41));
   const Isometry3d X_WC = LookFrom({1.0, 0.8, 1.2}, 0.1, 0.1);
   const auto people = PersonAt(4.0, 1.0, 0.3);
+  const Renderer with_one(scene, WithThreads(1));
+  const Renderer with_two(scene, WithThreads(2));
+  const Renderer with_three(scene, WithThreads(3));
   for (const RenderQuality quality :
        {RenderQuality::kSingle, RenderQuality::kLive, RenderQuality::kStill}) {
     RenderOptions options = Everything();
     options.quality = quality;
-    const RenderedView first =
-        Renderer(scene, WithThreads(1)).Render(camera, X_WC, people, options);
-    for (const int num_threads : {2, 3}) {
-      const RenderedView other = Renderer(scene, WithThreads(num_threads))
-                                     .Render(camera, X_WC, people, options);
+    const RenderedView first = with_one.Render(camera, X_WC, people, options);
+    for (const Renderer* renderer : {&with_two, &with_three}) {
+      const RenderedView other =
+          renderer->Render(camera, X_WC, people, options);
       const auto same = [](const cv::Mat& a, const cv::Mat& b) {
         return a.size() == b.size() && a.type() == b.type() &&
                std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
