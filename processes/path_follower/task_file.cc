@@ -2,7 +2,6 @@
 
 #include "estimation/base/input_error.h"
 #include "processes/support/configuration.h"
-#include "processes/support/state_file.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -71,8 +70,7 @@ std::optional<TaskProgress> LoadTaskFile(const std::string& path) {
                       static_cast<int>(contents.num_reached)};
 }
 
-void SaveTaskFile(const std::string& path,
-                  const std::optional<TaskProgress>& progress) {
+std::string TextOfTask(const std::optional<TaskProgress>& progress) {
   Contents contents;
   if (progress) {
     const task_t message = ToMessage(progress->task, 0);
@@ -88,10 +86,8 @@ void SaveTaskFile(const std::string& path,
           {w.x, w.y, static_cast<double>(w.has_heading), w.heading});
     }
   }
-  SaveStateFile(path,
-                "# A task under way.\n" + PrintConfiguration([&](Describer& d) {
-                  contents.Describe(d);
-                }));
+  return "# A task under way.\n" +
+         PrintConfiguration([&](Describer& d) { contents.Describe(d); });
 }
 
 }  // namespace waymark

@@ -18,8 +18,8 @@ struct TaskProgress {
 // Throws InputError with one line where it cannot be read or is no such file.
 [[nodiscard]] std::optional<TaskProgress> LoadTaskFile(const std::string& path);
 
-// As SaveStateFile() does; nullopt: nothing is under way.
-void SaveTaskFile(const std::string& path,
-                  const std::optional<TaskProgress>& progress);
+// What LoadTaskFile() reads; nullopt: nothing is under way.
+[[nodiscard]] std::string TextOfTask(
+    const std::optional<TaskProgress>& progress);
 
 }  // namespace waymark

@@ -2,7 +2,6 @@
 
 #include "estimation/base/input_error.h"
 #include "processes/support/channels.h"
-#include "processes/support/state_file.h"
 
 #include <array>
 #include <cstdio>
@@ -22,17 +21,20 @@ constexpr Duration kSavePeriod{5'000'000};
 TaskFollower::TaskFollower(const TaskFollowerConfig& config,
                            const Role& role,
                            Bus* bus)
-    : config_(config), role_(role), bus_(bus), tracker_(config.tracker) {
+    : config_(config),
+      role_(role),
+      bus_(bus),
+      tracker_(config.tracker),
+      saver_(config.task_file, bus->is_offline()) {
   if (!config_.task_file.empty()) {
-    CheckStateFolder(config_.task_file);
     try {
       kept_ = LoadTaskFile(config_.task_file);
     } catch (const InputError& error) {
       // A robot that stands is better than a process that does not start.
-      fault_ = error.what();
-      bus_->SetFault(fault_);
+      load_fault_ = error.what();
     }
   }
+  ShowFault();
   bus->Advertise<velocity_t>(kMotionRequest, role.name);
   bus->Advertise<task_status_t>(kTaskStatus, role.name);
   bus->Subscribe<task_t>(
@@ -106,6 +108,7 @@ void TaskFollower::OnNoPose(Time t, const std::string& reason) {
 }
 
 void TaskFollower::OnTimer(Time now) {
+  ShowFault();
   if (!pose_time_) {
     if (task_ && tracker_.is_active()) {
       task_status_t status = ToMessage(
@@ -175,14 +178,15 @@ void TaskFollower::Save(Time t) {
   if (task_ && tracker_.is_active()) {
     progress = TaskProgress{*task_, t, num_reached_};
   }
-  try {
-    SaveTaskFile(config_.task_file, progress);
-    fault_.clear();
-  } catch (const InputError& error) {
-    // Driving goes on; STATUS says so.
-    fault_ = error.what();
-  }
-  bus_->SetFault(fault_);
+  saver_.Save(TextOfTask(progress));
+  load_fault_.clear();
+  ShowFault();
+}
+
+void TaskFollower::ShowFault() {
+  // Where a file cannot be written driving goes on.
+  const std::string fault = saver_.fault();
+  bus_->SetFault(fault.empty() ? load_fault_ : fault);
 }
 
 }  // namespace waymark

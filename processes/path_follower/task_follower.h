@@ -5,6 +5,7 @@
 #include "processes/path_follower/task_file.h"
 #include "processes/path_follower/task_follower_config.h"
 #include "processes/support/bus.h"
+#include "processes/support/state_saver.h"
 
 #include <waymark/task_t.hpp>
 #include <waymark/velocity_t.hpp>
@@ -44,11 +45,13 @@ class TaskFollower {
   void Resume(Time t);
   void Finish(Time t, TrackReport report);
   void Save(Time t);
+  void ShowFault();
 
   TaskFollowerConfig config_;
   Role role_;
   Bus* bus_;
   PathTracker tracker_;
+  StateSaver saver_;
   std::optional<Task> task_;          // Under way, done or failed.
   std::optional<TaskProgress> kept_;  // From before a restart.
   std::optional<Time> pose_time_;
@@ -57,7 +60,7 @@ class TaskFollower {
   TrackState state_ = TrackState::kIdle;
   int num_reached_ = 0;
   std::optional<Time> saved_;
-  std::string fault_;
+  std::string load_fault_;  // Of the task file, until it is written anew.
   std::int32_t request_seq_ = 0;
   std::int32_t status_seq_ = 0;
 };

@@ -66,8 +66,7 @@ std::optional<OdometryParameters> LoadParameterFile(const std::string& path) {
   return parameters;
 }
 
-void SaveParameterFile(const std::string& path,
-                       const OdometryParameters& parameters) {
+std::string TextOfParameters(const OdometryParameters& parameters) {
   Contents contents;
   contents.utime = Microseconds(parameters.time);
   contents.k_right = parameters.parameters.k_right;
@@ -77,10 +76,13 @@ void SaveParameterFile(const std::string& path,
     contents.covariance.push_back(parameters.covariance(i / 3, i % 3));
   }
   contents.num_measurements = parameters.num_measurements;
-  SaveStateFile(
-      path,
-      "# Wheel parameters, saved by pose_filter or waymark-refine.\n" +
-          PrintConfiguration([&](Describer& d) { contents.Describe(d); }));
+  return "# Wheel parameters, saved by pose_filter or waymark-refine.\n" +
+         PrintConfiguration([&](Describer& d) { contents.Describe(d); });
+}
+
+void SaveParameterFile(const std::string& path,
+                       const OdometryParameters& parameters) {
+  SaveStateFile(path, TextOfParameters(parameters));
 }
 
 }  // namespace waymark

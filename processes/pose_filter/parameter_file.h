@@ -13,7 +13,10 @@ namespace waymark {
 [[nodiscard]] std::optional<OdometryParameters> LoadParameterFile(
     const std::string& path);
 
-// As SaveStateFile() does; loads back bit for bit.
+// What LoadParameterFile() reads: the same again, bit for bit.
+[[nodiscard]] std::string TextOfParameters(
+    const OdometryParameters& parameters);
+// As SaveStateFile() does.
 void SaveParameterFile(const std::string& path,
                        const OdometryParameters& parameters);
 

@@ -5,7 +5,6 @@
 #include "processes/convert/odometry_inputs.h"
 #include "processes/pose_filter/parameter_file.h"
 #include "processes/support/channels.h"
-#include "processes/support/state_file.h"
 
 #include <cstdio>
 #include <utility>
@@ -19,8 +18,6 @@ constexpr double kSavePeriodS = 30.0;
 DelayedFusionOptions OptionsOf(const PoseFilterConfig& config) {
   DelayedFusionOptions options = config.Options();
   if (!config.parameters_file.empty()) {
-    // Now, not after hours of driving whose result cannot be saved.
-    CheckStateFolder(config.parameters_file);
     options.filter.learned = LoadParameterFile(config.parameters_file);
   }
   return options;
@@ -29,7 +26,10 @@ DelayedFusionOptions OptionsOf(const PoseFilterConfig& config) {
 }  // namespace
 
 PoseFilterProcess::PoseFilterProcess(const Config& config, Bus* bus)
-    : config_(config), bus_(bus), fusion_(OptionsOf(config)) {
+    : config_(config),
+      bus_(bus),
+      fusion_(OptionsOf(config)),
+      saver_(config.parameters_file, bus->is_offline()) {
   for (const auto channel : {kPose, kPoseSettled, kOdometry}) {
     bus->Advertise<pose_t>(channel);
   }
@@ -116,7 +116,7 @@ void PoseFilterProcess::PublishNewest() {
   if (pose.is_known) bus_->Publish(kPoseBot, ToBotMessage(pose));
   bus_->Publish(kOdometry, ToMessage(filter.odometry(), odometry_seq_++));
   const std::string fault = filter.fault();
-  bus_->SetFault(fault.empty() ? save_fault_ : fault);
+  bus_->SetFault(fault.empty() ? saver_.fault() : fault);
 }
 
 void PoseFilterProcess::PublishUnknown(Time time, std::string reason) {
@@ -178,20 +178,17 @@ void PoseFilterProcess::Save() {
       learned_->num_measurements == 0) {
     return;
   }
-  try {
-    SaveParameterFile(config_.parameters_file, *learned_);
-    save_fault_.clear();
-  } catch (const InputError& error) {
-    // Driving goes on; STATUS says so.
-    save_fault_ = error.what();
-  }
+  // Where that fails driving goes on; STATUS says so.
+  saver_.Save(TextOfParameters(*learned_));
 }
 
 void PoseFilterProcess::Finish() {
   fusion_.Finish();
   PublishSettled();
   Save();
-  if (!save_fault_.empty()) throw InputError(save_fault_);
+  saver_.Flush();
+  const std::string fault = saver_.fault();
+  if (!fault.empty()) throw InputError(fault);
 }
 
 }  // namespace waymark

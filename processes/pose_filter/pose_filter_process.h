@@ -4,6 +4,7 @@
 #include "estimation/filter/delayed_fusion.h"
 #include "processes/pose_filter/pose_filter_config.h"
 #include "processes/support/bus.h"
+#include "processes/support/state_saver.h"
 
 #include <cstdint>
 #include <optional>
@@ -41,6 +42,7 @@ class PoseFilterProcess {
   Config config_;
   Bus* bus_;
   DelayedFusion fusion_;
+  StateSaver saver_;
   std::int64_t pose_seq_ = 0;
   std::int64_t odometry_seq_ = 0;
   std::int64_t settled_seq_ = 0;
@@ -51,7 +53,6 @@ class PoseFilterProcess {
   bool has_parameters_ = false;          // What was published last.
   std::optional<Time> save_time_;
   std::optional<OdometryParameters> learned_;  // Settled.
-  std::string save_fault_;
 };
 
 }  // namespace waymark
