@@ -2,8 +2,10 @@
 
 #include "estimation/base/input_error.h"
 #include "processes/support/configuration.h"
-#include "processes/support/state_file.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <system_error>
 #include <vector>
@@ -11,11 +13,16 @@
 namespace waymark {
 namespace {
 
+// Of the pose, m and rad: beyond all worlds, and grids still have an index.
+constexpr double kFarthest = 1e6;
+constexpr std::int64_t kYear2100 = 4'102'444'800'000'000;
+
 struct Contents {
   std::string world;
   std::vector<double> pose;  // x m, y m, heading rad.
   double right_ticks = 0.0;
   double left_ticks = 0.0;
+  std::int64_t utime = 0;
 
   void Describe(Describer& d) {
     // Farther than any robot drives; a double still counts single ticks there.
@@ -24,13 +31,13 @@ struct Contents {
     d.Numbers("pose", &pose, 3, "x m, y m, heading rad");
     d.Number("right_ticks", &right_ticks, kTicks, "Of the right wheel");
     d.Number("left_ticks", &left_ticks, kTicks, "Of the left wheel");
+    d.Integer("utime", &utime, 0, kYear2100, "No message of it is newer");
   }
 };
 
 }  // namespace
 
-std::optional<RobotSnapshot> LoadRobotState(const std::string& path,
-                                            const std::string& world) {
+std::optional<RobotState> LoadRobotState(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return std::nullopt;
   Contents contents;
@@ -38,24 +45,29 @@ std::optional<RobotSnapshot> LoadRobotState(const std::string& path,
   if (contents.pose.empty()) {
     throw InputError(path + ": pose: 3 numbers are missing");
   }
-  if (contents.world != world) return std::nullopt;
-  RobotSnapshot snapshot;
-  snapshot.X_WR = {contents.pose[0], contents.pose[1], contents.pose[2]};
-  snapshot.right_ticks = contents.right_ticks;
-  snapshot.left_ticks = contents.left_ticks;
-  return snapshot;
+  for (const double value : contents.pose) {
+    if (std::abs(value) > kFarthest) {
+      throw InputError(path + ": pose: its numbers must be within +-1e6");
+    }
+  }
+  RobotState state;
+  state.world = contents.world;
+  state.snapshot.X_WR = {contents.pose[0], contents.pose[1], contents.pose[2]};
+  state.snapshot.right_ticks = contents.right_ticks;
+  state.snapshot.left_ticks = contents.left_ticks;
+  state.time = TimeFromMicroseconds(contents.utime);
+  return state;
 }
 
-void SaveRobotState(const std::string& path, const RobotState& state) {
+std::string TextOfRobotState(const RobotState& state) {
   const Pose2& X_WR = state.snapshot.X_WR;
   Contents contents{state.world,
                     {X_WR.x, X_WR.y, X_WR.heading},
                     state.snapshot.right_ticks,
-                    state.snapshot.left_ticks};
-  SaveStateFile(
-      path,
-      "# Where the simulated robot is, saved by simulator.\n" +
-          PrintConfiguration([&](Describer& d) { contents.Describe(d); }));
+                    state.snapshot.left_ticks,
+                    std::max<std::int64_t>(Microseconds(state.time), 0)};
+  return "# Where the simulated robot is, saved by simulator.\n" +
+         PrintConfiguration([&](Describer& d) { contents.Describe(d); });
 }
 
 }  // namespace waymark

@@ -1,7 +1,9 @@
-// Where a simulated robot stood, so that a restarted simulator goes on there.
+// Where a simulated robot stood and when, so that a restarted simulator goes on
+// from there.
 #pragma once
 
 #include "drivers/simulator/robot.h"
+#include "estimation/base/time.h"
 
 #include <optional>
 #include <string>
@@ -11,15 +13,14 @@ namespace waymark {
 struct RobotState {
   std::string world;  // Its file.
   RobotSnapshot snapshot;
+  Time time;  // No message of it is newer.
 };
 
-// nullopt where there is no such file, or it is of another world. Throws
-// InputError with one line (file, key, value, allowed range) where it cannot be
-// read or is no such file.
-[[nodiscard]] std::optional<RobotSnapshot> LoadRobotState(
-    const std::string& path, const std::string& world);
+// nullopt where there is no such file. Throws InputError with one line (file,
+// key, value, allowed range) where it cannot be read or is no such file.
+[[nodiscard]] std::optional<RobotState> LoadRobotState(const std::string& path);
 
-// As SaveStateFile() does; loads back bit for bit.
-void SaveRobotState(const std::string& path, const RobotState& state);
+// What LoadRobotState() reads: the same again, bit for bit.
+[[nodiscard]] std::string TextOfRobotState(const RobotState& state);
 
 }  // namespace waymark

@@ -1,13 +1,13 @@
 #include "processes/simulator/simulator_process.h"
 
 #include "drivers/simulator/build_scene.h"
+#include "drivers/simulator/walk_area.h"
 #include "estimation/base/input_error.h"
 #include "estimation/geometry/angle.h"
 #include "processes/convert/motion_convert.h"
 #include "processes/convert/world_file.h"
 #include "processes/simulator/robot_state_file.h"
 #include "processes/support/channels.h"
-#include "processes/support/state_file.h"
 
 #include <waymark/base_status_t.hpp>
 #include <waymark/camera_info_t.hpp>
@@ -15,6 +15,7 @@
 #include <waymark/planar_lidar_t.hpp>
 #include <waymark/truth_t.hpp>
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -28,6 +29,11 @@ namespace {
 constexpr std::string_view kSource = "simulator";
 constexpr Duration kInfoPeriod = std::chrono::seconds(1);
 constexpr Duration kSavePeriod = std::chrono::seconds(1);
+// Simulated time that may pass before a saved state is on disk, where it goes
+// faster than the clock: the fastest answers, and a slow disk.
+constexpr Duration kSaveLead = std::chrono::seconds(60);
+// What has happened is a fault for so long: in several STATUS.
+constexpr Duration kRecent = std::chrono::seconds(5);
 // Live, a reading is sent so long after its own time: more than a timer is
 // early or late, so that each tick has just one.
 constexpr Duration kTimerSlack = std::chrono::milliseconds(2);
@@ -59,14 +65,10 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
       map_(OutlineOfMesh(scene_.mesh, HeightBand{})),
       people_(world_, PeopleOptions{config.robot.radius}),
       range_options_(RangeOptions(config)),
-      period_(DurationFromSeconds(1.0 / config.encoder_rate_hz)) {
+      saver_(config.state_file, bus->is_offline()) {
   start_.X_WR = StartPose();
-  if (!config_.state_file.empty()) {
-    CheckStateFolder(config_.state_file);
-    if (const auto saved = LoadRobotState(config_.state_file, world_.source)) {
-      start_ = *saved;
-    }
-  }
+  CheckPlace(start_.X_WR, world_.source + ": start");
+  if (!config_.state_file.empty()) LoadState();
   AddCamera(config_.camera);
   AddCamera(config_.second_camera);
   scene_ = Scene{};  // All that draws it has its own copy.
@@ -84,9 +86,11 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
                              Keep::Latest(),
                              [this](const pan_tilt_t& m, Time) { OnHead(m); });
   const double speed = config_.pace == Pace::kRealTime ? config_.speed : 1.0;
-  bus->Every(DurationFromSeconds(Seconds(period_) / speed), [this](Time now) {
-    config_.pace == Pace::kRealTime ? OnTick(now) : OnStepTick(now);
-  });
+  bus->Every(DurationFromSeconds(1.0 / (config_.encoder_rate_hz * speed)),
+             [this](Time now) {
+               config_.pace == Pace::kRealTime ? OnTick(now) : OnStepTick(now);
+               ShowFault(now);
+             });
 }
 
 Pose2 SimulatorProcess::StartPose() const {
@@ -98,15 +102,38 @@ Pose2 SimulatorProcess::StartPose() const {
   } else if (!world_.starts.empty()) {
     X_WR = world_.starts.front().X_WR;
   }
+  return X_WR;
+}
+
+void SimulatorProcess::CheckPlace(const Pose2& X_WR,
+                                  const std::string& source) const {
   const double radius = config_.robot.radius;
+  const std::string robot =
+      fmt::format("{}: a robot of radius {:g} m at x {:.3f}, y {:.3f}",
+                  source,
+                  radius,
+                  X_WR.x,
+                  X_WR.y);
   if (const auto nearest = map_.Nearest(X_WR.position(), radius)) {
     throw InputError(
-        world_.source + ": a robot of radius " + std::to_string(radius) +
-        " m at x " + std::to_string(X_WR.x) + ", y " + std::to_string(X_WR.y) +
-        " would touch something at x " + std::to_string(nearest->p_W.x()) +
-        ", y " + std::to_string(nearest->p_W.y()) + " (start)");
+        fmt::format("{} would touch something at x {:.3f}, y {:.3f}",
+                    robot,
+                    nearest->p_W.x(),
+                    nearest->p_W.y()));
   }
-  return X_WR;
+  if (WalkArea(world_).Clearance(X_WR.position()) < 0.0) {
+    throw InputError(robot +
+                     " would be outside of all rooms, or inside something");
+  }
+}
+
+void SimulatorProcess::LoadState() {
+  const auto saved = LoadRobotState(config_.state_file);
+  if (!saved) return;
+  saved_time_ = saved->time;
+  if (saved->world != world_.source) return;
+  CheckPlace(saved->snapshot.X_WR, config_.state_file + ": pose");
+  start_ = saved->snapshot;
 }
 
 void SimulatorProcess::AddCamera(const SimulatedCameraConfig& config) {
@@ -160,27 +187,37 @@ Simulation SimulatorProcess::MakeSimulation(Time start) const {
 
 // ---- time ------------------------------------------------------------------
 
+Time SimulatorProcess::StartTime(Time now) const {
+  const bool is_live = config_.pace == Pace::kRealTime && !bus_->is_offline();
+  const Time start = is_live ? now - kTimerSlack : now;
+  if (!saved_time_ || *saved_time_ < start) return start;
+  spdlog::info("goes on {:.1f} s ahead of the clock, where it was",
+               Seconds(*saved_time_ - now));
+  return *saved_time_ + Duration(1);
+}
+
 void SimulatorProcess::OnTick(Time now) {
   if (!simulation_) {
-    first_tick_ = now;
-    simulation_.emplace(
-        MakeSimulation(bus_->is_offline() ? now : now - kTimerSlack));
+    const Time start = StartTime(now);
+    simulation_.emplace(MakeSimulation(start));
+    clock_.emplace(
+        config_.speed, now, bus_->is_offline() ? start : start + kTimerSlack);
   }
-  const double passed = config_.speed * Seconds(now - first_tick_);
-  AdvanceTo(first_tick_ + DurationFromSeconds(passed));
+  const Duration lost = clock_->lost();
+  const Time simulated = clock_->At(now);
+  if (clock_->lost() > lost) lost_time_ = now;
+  AdvanceTo(simulated);
 }
 
 void SimulatorProcess::OnStepTick(Time now) {
   if (!simulation_) {
-    simulation_.emplace(MakeSimulation(now));
+    simulation_.emplace(MakeSimulation(StartTime(now)));
     Step(now);
     return;
   }
   if (Seconds(now - asked_at_) < config_.answer_timeout_s) return;
   ++num_unanswered_;
-  bus_->SetFault("no MOTION_COMMAND answered " +
-                 std::to_string(num_unanswered_) + " of ENCODERS in " +
-                 std::to_string(config_.answer_timeout_s) + " s");
+  is_unanswered_ = true;
   Step(now);
 }
 
@@ -202,7 +239,9 @@ void SimulatorProcess::OnCommand(const velocity_t& message, Time t) {
   // All others are obeyed, too, but answer nothing: late ones, those of who
   // goes by another clock, and what the guard sends because nobody asks.
   const bool is_answer = unanswered_ == t && !message.source.empty();
-  if (config_.pace == Pace::kStepped && is_answer) Step(bus_->now());
+  if (config_.pace != Pace::kStepped || !is_answer) return;
+  is_unanswered_ = false;
+  Step(bus_->now());
 }
 
 void SimulatorProcess::OnHead(const pan_tilt_t& message) {
@@ -220,22 +259,68 @@ void SimulatorProcess::AdvanceTo(Time simulated) {
   PublishCameraInfo(simulated);
   if (!save_time_ || simulated - *save_time_ >= kSavePeriod) {
     save_time_ = simulated;
-    SaveState();
+    SaveState(SaveLead());
   }
 }
 
-void SimulatorProcess::SaveState() {
-  if (config_.state_file.empty() || !simulation_) return;
-  try {
-    SaveRobotState(config_.state_file,
-                   {world_.source, simulation_->Snapshot()});
-  } catch (const InputError& error) {
-    bus_->SetFault(error.what());  // A full disk is no reason to stop.
-  }
+void SimulatorProcess::SaveState(Duration lead) {
+  if (!simulation_) return;
+  saver_.Save(TextOfRobotState(
+      {world_.source, simulation_->Snapshot(), simulation_->now() + lead}));
+}
+
+Duration SimulatorProcess::SaveLead() const {
+  // With the clock, a restart comes later than all that was sent.
+  const bool goes_with_clock =
+      config_.pace == Pace::kRealTime && config_.speed <= 1.0;
+  return goes_with_clock && simulation_->now() <= bus_->now() ? Duration(0)
+                                                              : kSaveLead;
 }
 
 void SimulatorProcess::Finish() {
-  SaveState();
+  SaveState(Duration(0));
+  saver_.Flush();
+  for (const Camera& camera : cameras_) {
+    spdlog::info("{}: {} images sent, {} left out",
+                 camera.rig->image_channel(),
+                 camera.num_sent,
+                 camera.num_missed);
+  }
+  ShowFault(bus_->now());
+}
+
+void SimulatorProcess::ShowFault(Time now) {
+  std::string fault;
+  const auto add = [&](const std::string& text) {
+    if (text.empty()) return;
+    fault += (fault.empty() ? "" : "; ") + text;
+  };
+  const auto is_recent = [&](const std::optional<Time>& time) {
+    return time && now - *time < kRecent;
+  };
+  if (is_recent(lost_time_)) {
+    add(
+        fmt::format("lost {:.1f} s in all: this machine stood still, or is too "
+                    "slow for time.speed",
+                    Seconds(clock_->lost())));
+  }
+  if (is_unanswered_) {
+    add(fmt::format("no MOTION_COMMAND answered {} of ENCODERS in {:g} s",
+                    num_unanswered_,
+                    config_.answer_timeout_s));
+  }
+  for (const Camera& camera : cameras_) {
+    if (is_recent(camera.missed_time)) {
+      add(
+          fmt::format("{}: {} images not drawn: this machine is too slow for "
+                      "their rate",
+                      camera.rig->image_channel(),
+                      camera.num_missed));
+    }
+    add(camera.fault);
+  }
+  add(saver_.fault());  // A full disk is no reason to stop.
+  bus_->SetFault(fault);
 }
 
 // ---- messages --------------------------------------------------------------
@@ -322,10 +407,7 @@ void SimulatorProcess::Expose(const CameraEvent& event) {
       camera.pending.back().shot.wait_for(std::chrono::seconds(0)) !=
           std::future_status::ready) {
     ++camera.num_missed;
-    bus_->SetFault(std::string(camera.rig->image_channel()) + ": " +
-                   std::to_string(camera.num_missed) +
-                   " images not drawn: this machine is too slow for their "
-                   "rate");
+    camera.missed_time = bus_->now();
     return;
   }
   camera.pending.push_back(
@@ -345,11 +427,10 @@ void SimulatorProcess::PublishImages(Time simulated) {
       }
       const CameraRig::Shot shot = next.shot.get();
       camera.pending.pop_front();
-      if (shot.image) {
-        bus_->Publish(camera.rig->image_channel(), *shot.image);
-      } else {
-        bus_->SetFault(shot.reason);
-      }
+      camera.fault = shot.reason;
+      if (!shot.image) continue;
+      ++camera.num_sent;
+      bus_->Publish(camera.rig->image_channel(), *shot.image);
     }
   }
 }

@@ -6,8 +6,11 @@
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/simulation.h"
 #include "processes/simulator/camera_rig.h"
+#include "processes/simulator/robot_state_file.h"
+#include "processes/simulator/simulated_clock.h"
 #include "processes/simulator/simulator_config.h"
 #include "processes/support/bus.h"
+#include "processes/support/state_saver.h"
 
 #include <waymark/image_t.hpp>
 #include <waymark/pan_tilt_t.hpp>
@@ -36,6 +39,10 @@ namespace waymark {
 // no time passes for it. So teleop, which goes by a clock of its own, steers
 // only what another process steps; alone it gets one step per answer_timeout_s,
 // and STATUS says so.
+//
+// Time does not go back when it is restarted with a state file. What is missed
+// while the machine stands still is made up for by a second at most; the rest
+// is lost, and STATUS says so.
 class SimulatorProcess {
  public:
   using Config = SimulatorConfig;
@@ -43,9 +50,9 @@ class SimulatorProcess {
   static constexpr bool kIsLiveOnly = true;
 
   // Throws InputError for a world, camera or state file that cannot be used,
-  // and where the robot would start inside something.
+  // and where the robot would start outside of all rooms or inside something.
   SimulatorProcess(const Config& config, Bus* bus);
-  // Saves where the robot is.
+  // Saves where the robot is; says how many images there were.
   void Finish();
 
  private:
@@ -57,11 +64,18 @@ class SimulatorProcess {
   struct Camera {
     std::unique_ptr<CameraRig> rig;
     std::deque<Pending> pending;
+    std::int64_t num_sent = 0;
     std::int64_t num_missed = 0;  // Exposures while the last was being drawn.
+    std::optional<Time> missed_time;  // The last one, on the bus's clock.
+    std::string fault;                // Why the last image could not be sent.
   };
 
   [[nodiscard]] Simulation MakeSimulation(Time start) const;
   [[nodiscard]] Pose2 StartPose() const;
+  // Throws InputError that begins with `source`.
+  void CheckPlace(const Pose2& X_WR, const std::string& source) const;
+  void LoadState();
+  [[nodiscard]] Time StartTime(Time now) const;
   void AddCamera(const SimulatedCameraConfig& config);
   void OnTick(Time now);
   void OnStepTick(Time now);
@@ -77,7 +91,10 @@ class SimulatorProcess {
   void Expose(const CameraEvent& event);
   void PublishImages(Time simulated);
   void PublishCameraInfo(Time simulated);
-  void SaveState();
+  // `lead`: what may be sent before the state is on disk.
+  void SaveState(Duration lead);
+  [[nodiscard]] Duration SaveLead() const;
+  void ShowFault(Time now);
 
   Config config_;
   Bus* bus_;
@@ -89,14 +106,17 @@ class SimulatorProcess {
   RobotSnapshot start_;
   std::unique_ptr<Renderer> renderer_;  // Where there is a camera.
   std::vector<Camera> cameras_;
-  Duration period_;  // Of ENCODERS.
+  StateSaver saver_;
+  std::optional<Time> saved_time_;  // No message before a restart is newer.
 
   std::optional<Simulation> simulation_;  // From the first tick on.
-  Time first_tick_;                       // On the bus's clock.
+  std::optional<SimulatedClock> clock_;   // Likewise; with the bus's clock.
+  std::optional<Time> lost_time_;  // When time was lost last, on that clock.
   // Stepped: the ENCODERS that waits for its answer, and since when.
   std::optional<Time> unanswered_;
   Time asked_at_;
   std::int64_t num_unanswered_ = 0;
+  bool is_unanswered_ = false;  // The last one.
 
   std::int64_t encoders_seq_ = 0;
   std::int64_t base_seq_ = 0;

@@ -373,6 +373,23 @@ TEST_F(SimulatorProcessTest, BadInputIsOneLine) {
   config.state_file = Path("state.yaml");
   Write("state.yaml", "world: [1]\n");
   EXPECT_THAT(ErrorOf(config), HasSubstr("state.yaml:1: world"));
+  const std::string world = "world: " + config.world + "\n";
+  for (const auto& [pose, error] : {
+           std::pair("[0.1, 2, 0]", "state.yaml: pose: a robot of radius"),
+           {"[0.1, 2, 0]", "at x 0.100, y 2.000 would touch something"},
+           {"[1, 50, 0]", "state.yaml: pose: a robot of radius"},
+           {"[1, 50, 0]", "would be outside of all rooms"},
+           {"[1e300, 0, 0]", "state.yaml: pose: its numbers must be within"},
+           {"[.nan, 0, 0]", "state.yaml:2: pose"},
+       }) {
+    Write("state.yaml", world + "pose: " + pose + "\n");
+    EXPECT_THAT(ErrorOf(config), HasSubstr(error));
+  }
+  Write("state.yaml", world + "pose: [5, 3, 1]\n");
+  EXPECT_EQ(ErrorOf(config), "none");
+  config = config_;
+  config.start = {1000.0, 2.0, 0.0};
+  EXPECT_THAT(ErrorOf(config), HasSubstr("would be outside of all rooms"));
   EXPECT_EQ(ErrorOf(config_), "none");
 }
 

@@ -1,0 +1,54 @@
+#include "processes/simulator/simulated_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace waymark {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr Time kNow = TimeFromMicroseconds(1'700'000'000'000'000);
+constexpr Time kStart = kNow + hours(3);
+
+TEST(SimulatedClockTest, GoesAsFastAsItsSpeed) {
+  for (const double speed : {0.05, 1.0, 7.3, 20.0}) {
+    SimulatedClock clock(speed, kNow, kStart);
+    EXPECT_EQ(clock.At(kNow), kStart);
+    Time now = kNow;
+    for (int i = 0; i < 100'000; ++i) {
+      now += milliseconds(7);
+      (void)clock.At(now);
+    }
+    // Rounded once, to a microsecond.
+    EXPECT_NEAR(Seconds(clock.At(now) - kStart), 700.0 * speed, 1e-6) << speed;
+    EXPECT_EQ(clock.lost(), Duration(0)) << speed;
+  }
+}
+
+TEST(SimulatedClockTest, MakesUpForASecondAndLosesTheRest) {
+  SimulatedClock clock(2.0, kNow, kStart);
+  EXPECT_EQ(clock.At(kNow + milliseconds(500)), kStart + seconds(1));
+  EXPECT_EQ(clock.lost(), Duration(0));
+  // An hour's sleep, then it goes on as before.
+  const Time woken = kNow + milliseconds(500) + hours(1);
+  EXPECT_EQ(clock.At(woken), kStart + seconds(2));
+  EXPECT_EQ(clock.lost(), hours(2) - seconds(1));
+  EXPECT_EQ(clock.At(woken + milliseconds(100)),
+            kStart + seconds(2) + milliseconds(200));
+  EXPECT_EQ(clock.lost(), hours(2) - seconds(1));
+  (void)clock.At(woken + milliseconds(100) + seconds(2));
+  EXPECT_EQ(clock.lost(), hours(2) + seconds(2));
+}
+
+TEST(SimulatedClockTest, DoesNotGoBack) {
+  SimulatedClock clock(1.0, kNow, kStart);
+  const Time shown = clock.At(kNow + milliseconds(300));
+  EXPECT_EQ(clock.At(kNow + milliseconds(200)), shown);
+}
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,231 @@
+// The simulator as it runs live, on a clock that the test sets.
+#include "processes/simulator/simulator_process.h"
+#include "processes/support/channels.h"
+#include "tests/support/temporary_directory.h"
+
+#include <waymark/encoders_t.hpp>
+#include <waymark/image_t.hpp>
+#include <waymark/truth_t.hpp>
+#include <waymark/velocity_t.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
+
+// Live as far as a process can tell.
+class ManualBus final : public Bus {
+ public:
+  explicit ManualBus(Time start) : now_(start) {}
+
+  // Lets so much pass, then calls the timer once, as for a loop that was held.
+  void Pass(Duration time) {
+    now_ += time;
+    action_(now_);
+  }
+  void Run(Duration time) {
+    for (const Time end = now_ + time; now_ + period_ <= end;) Pass(period_);
+  }
+  template <typename M>
+  [[nodiscard]] std::vector<M> Messages(const std::string& channel) const {
+    std::vector<M> messages;
+    const auto found = sent_.find(channel);
+    if (found == sent_.end()) return messages;
+    for (const auto& data : found->second) {
+      messages.push_back(DecodeMessage<M>(data).value());
+    }
+    return messages;
+  }
+  [[nodiscard]] const std::string& fault() const { return fault_; }
+
+  void Every(Duration period, std::function<void(Time)> action) override {
+    period_ = period;
+    action_ = std::move(action);
+  }
+  [[nodiscard]] Time now() const override { return now_; }
+  void ReportBad(std::string_view, Bad, std::string_view) override {}
+  void SetFault(std::string_view fault) override { fault_ = fault; }
+  [[nodiscard]] bool is_offline() const override { return false; }
+
+ private:
+  void SubscribeRaw(Subscription) override {}
+  void AdvertiseRaw(Advertisement) override {}
+  void PublishRaw(std::string_view channel,
+                  std::span<const std::uint8_t> data,
+                  Time) override {
+    sent_[std::string(channel)].emplace_back(data.begin(), data.end());
+  }
+
+  Time now_;
+  Duration period_{0};
+  std::function<void(Time)> action_;
+  std::map<std::string, std::vector<std::vector<std::uint8_t>>> sent_;
+  std::string fault_;
+};
+
+class SimulatorLiveTest : public testing::Test {
+ protected:
+  SimulatorLiveTest() {
+    Write("room.yaml",
+          "rooms:\n"
+          "  - {name: room, rectangle: [0, 0, 6, 4], lamps: [1, 1]}\n"
+          "starts: [[1, 2, 0]]\n");
+    Write("camera.yaml",
+          "{model: perspective, width: 640, height: 480, fx: 400, fy: 400, "
+          "cx: 319.5, cy: 239.5, mounting: {x: 0.1, z: 0.5}}\n");
+    config_.world = directory_ / "room.yaml";
+    config_.camera.file = directory_ / "camera.yaml";
+    config_.camera.name = "";
+    config_.light_cell = 2.0;
+  }
+  void Write(const std::string& name, const std::string& text) const {
+    std::ofstream(directory_ / name) << text;
+  }
+  static Time Newest(const ManualBus& bus) {
+    return TimeFromMicroseconds(bus.Messages<truth_t>("TRUTH").back().utime);
+  }
+  static Time Oldest(const ManualBus& bus) {
+    return TimeFromMicroseconds(bus.Messages<truth_t>("TRUTH").front().utime);
+  }
+
+  TemporaryDirectory directory_;
+  SimulatorConfig config_;
+};
+
+TEST_F(SimulatorLiveTest, AfterAStopOfTheMachineItSendsASecondAtOnceNoMore) {
+  config_.speed = 10.0;
+  ManualBus bus(kStart);
+  SimulatorProcess process(config_, &bus);
+  bus.Run(seconds(1));
+  EXPECT_EQ(bus.fault(), "");
+  const std::size_t before = bus.Messages<encoders_t>("ENCODERS").size();
+  bus.Pass(seconds(3600));
+  EXPECT_EQ(bus.Messages<encoders_t>("ENCODERS").size(), before + 50);
+  EXPECT_THAT(bus.fault(), HasSubstr("lost 35999.0 s in all"));
+  bus.Run(seconds(6));
+  EXPECT_EQ(bus.fault(), "");
+}
+
+TEST_F(SimulatorLiveTest, ARestartDoesNotSetTimeBack) {
+  config_.state_file = directory_ / "state";
+  for (const double speed : {1.0, 10.0}) {
+    for (const bool is_killed : {false, true}) {
+      config_.speed = speed;
+      std::filesystem::remove(config_.state_file);
+      ManualBus bus(kStart);
+      {
+        SimulatorProcess process(config_, &bus);
+        bus.Run(milliseconds(6930));
+        if (!is_killed) process.Finish();
+      }
+      ManualBus later(bus.now() + seconds(1));
+      SimulatorProcess process(config_, &later);
+      later.Run(milliseconds(100));
+      EXPECT_GT(Oldest(later), Newest(bus)) << speed << is_killed;
+      // What is sent before a state is on disk, and the stop.
+      EXPECT_LE(Oldest(later), Newest(bus) + seconds(61)) << speed << is_killed;
+      if (speed == 1.0) {
+        EXPECT_LE(Newest(later), later.now());
+      }
+    }
+  }
+}
+
+TEST_F(SimulatorLiveTest, AClockThatWasSetBackDoesNotSetTimeBack) {
+  config_.state_file = directory_ / "state";
+  ManualBus bus(kStart);
+  {
+    SimulatorProcess process(config_, &bus);
+    bus.Run(seconds(3));
+    process.Finish();
+  }
+  for (const char* world : {"same", "other"}) {
+    if (world == std::string("other")) {
+      Write("other.yaml",
+            "rooms: [{name: a, rectangle: [0, 0, 3, 3]}]\n"
+            "starts: [[1, 1, 0]]\n");
+      config_.world = directory_ / "other.yaml";
+    }
+    ManualBus back(kStart - seconds(100));
+    SimulatorProcess process(config_, &back);
+    back.Run(milliseconds(100));
+    EXPECT_GT(Oldest(back), Newest(bus)) << world;
+  }
+}
+
+TEST_F(SimulatorLiveTest, FaultsAreJoinedAndGoWithTheirCauses) {
+  config_.state_file = directory_ / "state";
+  ManualBus bus(kStart);
+  SimulatorProcess process(config_, &bus);
+  bus.Run(seconds(1));
+  EXPECT_EQ(bus.fault(), "");
+  // A disk that cannot be written, and a stop of the machine.
+  const auto is_blocked = [&] {  // Once no write is under way.
+    std::error_code error;
+    return std::filesystem::create_directory(config_.state_file + ".new",
+                                             error);
+  };
+  while (!is_blocked()) std::this_thread::sleep_for(milliseconds(1));
+  bus.Pass(seconds(10));
+  for (int i = 0; i < 500 && bus.fault().find("state") == std::string::npos;
+       ++i) {
+    bus.Pass(milliseconds(5));
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_THAT(
+      bus.fault(),
+      AllOf(HasSubstr("lost 9.0 s"), HasSubstr("; "), HasSubstr("written")));
+  bus.Run(seconds(6));
+  EXPECT_THAT(bus.fault(), HasSubstr("state: cannot be written"));
+  EXPECT_THAT(bus.fault(), testing::Not(HasSubstr("lost")));
+  std::filesystem::remove(config_.state_file + ".new");
+  for (int i = 0; i < 500 && !bus.fault().empty(); ++i) {
+    bus.Pass(milliseconds(500));
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  EXPECT_EQ(bus.fault(), "");
+}
+
+// The clock of this test is faster than any picture.
+TEST_F(SimulatorLiveTest, AnImageThatWouldBeLateIsLeftOutAndCounted) {
+  config_.camera.name = "FRONT";
+  config_.camera.timing.rate_hz = 30.0;
+  ManualBus bus(kStart);
+  SimulatorProcess process(config_, &bus);
+  bus.Run(milliseconds(500));
+  EXPECT_THAT(bus.fault(),
+              AllOf(HasSubstr("IMAGE_FRONT: "), HasSubstr("not drawn")));
+  // None comes twice or out of order, and those that come are good.
+  std::vector<image_t> images;
+  for (int i = 0; i < 1000 && images.size() < 3; ++i) {
+    std::this_thread::sleep_for(milliseconds(10));
+    bus.Pass(milliseconds(40));
+    images = bus.Messages<image_t>("IMAGE_FRONT");
+  }
+  ASSERT_EQ(images.size(), 3u);
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    EXPECT_GT(images[i].utime, images[i - 1].utime);
+  }
+}
+
+}  // namespace
+}  // namespace waymark
