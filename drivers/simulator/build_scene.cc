@@ -6,7 +6,6 @@
 #include "drivers/simulator/mesh_file.h"
 #include "drivers/simulator/people.h"
 #include "drivers/simulator/person_mesh.h"
-#include "drivers/simulator/walk_area.h"
 #include "drivers/simulator/wall_pictures.h"
 #include "estimation/base/input_error.h"
 

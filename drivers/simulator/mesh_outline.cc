@@ -39,6 +39,38 @@ double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+// Lines across a convex polygon, along its longest side or diagonal.
+void AppendHatch(const Polygon2& corners,
+                 const Eigen::Vector2d& along,
+                 std::vector<Segment2>* segments) {
+  double low = 0.0;
+  double high = 0.0;
+  const auto offset = [&](const Eigen::Vector2d& p) {
+    return Cross(along, p - corners[0]);
+  };
+  for (const Eigen::Vector2d& p : corners) {
+    low = std::min(low, offset(p));
+    high = std::max(high, offset(p));
+  }
+  const int num_gaps = static_cast<int>(std::ceil((high - low) / kHatch));
+  for (int i = 1; i < num_gaps; ++i) {
+    const double level = low + (high - low) * i / num_gaps;
+    Polygon2 ends;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Eigen::Vector2d& p = corners[k];
+      const Eigen::Vector2d& q = corners[(k + 1) % corners.size()];
+      const double from = offset(p) - level;
+      const double to = offset(q) - level;
+      if ((from < 0.0) != (to < 0.0)) {
+        ends.emplace_back(p + from / (from - to) * (q - p));
+      }
+    }
+    if (ends.size() == 2 && (ends[1] - ends[0]).norm() >= kShortest) {
+      segments->push_back({ends[0], ends[1]});
+    }
+  }
+}
+
 // A convex polygon seen from above is convex too: thin ones become the segment
 // between the two corners farthest apart.
 void AppendEdges(const Polygon3& polygon, std::vector<Segment2>* segments) {
@@ -71,6 +103,7 @@ void AppendEdges(const Polygon3& polygon, std::vector<Segment2>* segments) {
     const Eigen::Vector2d& q = corners[(i + 1) % corners.size()];
     if ((q - p).norm() >= kShortest) segments->push_back({p, q});
   }
+  AppendHatch(corners, along, segments);
 }
 
 // A line and the stretches of it that are taken.

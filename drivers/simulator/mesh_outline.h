@@ -9,12 +9,14 @@
 
 namespace waymark {
 
-// Heights over W's z = 0, m, that a robot passes through: what lies wholly
-// below (the floor, a mat) or above (a lintel, a table's top) is no obstacle.
+// Heights over W's z = 0, m, that a body passes through: what lies wholly below
+// (the floor, a mat) or above (a lintel) is no obstacle.
 struct HeightBand {
   double low = 0.02;
-  double high = 0.5;
+  double high = 1.1;  // As RobotOptions::height.
 };
+
+inline constexpr double kHatch = 0.2;  // m; no robot is as narrow.
 
 struct Segment2 {
   Eigen::Vector2d a = Eigen::Vector2d::Zero();
@@ -23,8 +25,9 @@ struct Segment2 {
 
 // Edges of the projections of all triangles, each clipped to the band, onto
 // the plane z = 0: one segment of an upright triangle, a polygon's edges of any
-// other. Pieces of one line that overlap or touch are joined. In an order that
-// depends on the mesh only.
+// other, and lines across it at most kHatch apart: within a table's top nothing
+// wider than kHatch is free. Pieces of one line that overlap or touch are
+// joined. In an order that depends on the mesh only.
 //
 // Throws std::logic_error unless low < high and all are finite, and for an
 // index that the mesh does not have.

@@ -11,6 +11,8 @@ namespace waymark {
 
 void RobotOptions::Check() const {
   RequireAbove0("radius", radius);
+  // Above what it rolls over.
+  RequireWithin("height", height, 2.0 * HeightBand{}.low, 10.0);
   RequireAbove0("meters_per_tick", meters_per_tick);
   RequireAbove0("wheel_base", wheel_base);
   RequireAbove0("right_wheel_factor", right_wheel_factor);

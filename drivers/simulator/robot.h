@@ -19,6 +19,7 @@ enum class BlockedWheels : std::uint8_t {
 
 struct RobotOptions {
   double radius = 0.17;           // Of the round body about R, m.
+  double height = 1.1;            // With what stands on it: cameras, m.
   double meters_per_tick = 1e-4;  // Nominal: what its own controller assumes.
   double wheel_base = 0.27;       // Nominal, m.
   // True over nominal.

@@ -149,8 +149,9 @@ void Simulation::TakeAllAt(Time t, std::vector<SimulationEvent>* events) {
   }
   if (Takes(&range_clock_, t)) {
     const Pose2 X_WR = PoseAt(t);
+    const ObstacleMap& map = *(world_.seen ? world_.seen : world_.map);
     events->push_back(
-        RangeEvent{t, ranges_->Measure(X_WR, *world_.map, Discs(t, X_WR))});
+        RangeEvent{t, ranges_->Measure(X_WR, map, Discs(t, X_WR))});
   }
   if (Takes(&status_clock_, t)) {
     events->push_back(BaseEvent{t,

@@ -47,6 +47,9 @@ struct SimulationOptions {
 struct SimulationWorld {
   // Outlives the simulation; not null.
   const ObstacleMap* map = nullptr;
+  // What ranges meet, where that is not all that the robot bumps into; may be
+  // null.
+  const ObstacleMap* seen = nullptr;
   // X_WP of each person, `seconds` after the start; `states` as meet() leaves
   // them (empty: nobody has met a robot). Empty: nobody.
   std::function<std::vector<Pose2>(

@@ -1,7 +1,11 @@
 #include "drivers/simulator/walk_area.h"
 
+#include "drivers/simulator/build_scene.h"
 #include "drivers/simulator/floor_plan.h"
+#include "drivers/simulator/mesh_outline.h"
 #include "drivers/simulator/world_layout.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -13,16 +17,6 @@ namespace {
 
 constexpr double kNoPlan = 1e3;  // Farther than any wall.
 constexpr int kPillarSides = 24;
-
-double DistanceTo(const WalkArea::Segment& segment, const Eigen::Vector2d& p) {
-  const Eigen::Vector2d along = segment[1] - segment[0];
-  const double length2 = along.squaredNorm();
-  const double t =
-      length2 > 0.0
-          ? std::clamp((p - segment[0]).dot(along) / length2, 0.0, 1.0)
-          : 0.0;
-  return (segment[0] + t * along - p).norm();
-}
 
 bool IsInAny(const std::vector<WalkArea::Outline>& outlines,
              const Eigen::Vector2d& p) {
@@ -38,6 +32,23 @@ bool IsInOddNumber(const std::vector<WalkArea::Outline>& outlines,
                        [&](const auto& o) { return IsInside(o, p); }) %
              2 ==
          1;
+}
+
+// What fills its outline from the floor up; of all else the mesh says where
+// there is room.
+bool IsClosed(FurnitureKind kind) {
+  return kind == FurnitureKind::kCabinet || kind == FurnitureKind::kShelf ||
+         kind == FurnitureKind::kSofa || kind == FurnitureKind::kBin ||
+         kind == FurnitureKind::kBox;
+}
+
+SceneMesh MeshOf(const World& world) {
+  // A world without anything has no scene.
+  if (world.rooms.empty() && world.floor_plans.empty() &&
+      world.models.empty()) {
+    return {};
+  }
+  return BuildScene(world, SceneLooks::kPlain).mesh;
 }
 
 WalkArea::Outline RectangleAt(const Eigen::Vector2d& at,
@@ -73,19 +84,38 @@ WalkArea::Outline OutlineOf(const WorldFurniture& piece) {
   return RectangleAt(piece.at, piece.heading, piece.size.x(), piece.size.y());
 }
 
-WalkArea::WalkArea(const World& world) {
+WalkArea::WalkArea(const World& world, double height)
+    : WalkArea(world, MeshOf(world), height) {}
+
+WalkArea::WalkArea(const World& world, const SceneMesh& mesh, double height)
+    : map_(OutlineOfMesh(mesh, {.high = height})) {
   AddWalls(world);
   for (const WorldPillar& pillar : world.pillars) AddSolid(OutlineOf(pillar));
   for (const WorldFurniture& piece : world.furniture) {
-    if (piece.z < 1.8) AddSolid(OutlineOf(piece));  // Else one walks below it.
+    if (piece.z >= height) continue;
+    IsClosed(piece.kind) ? AddSolid(OutlineOf(piece))
+                         : AddOutline(OutlineOf(piece));
   }
   AddFloorPlans(world);
+  if (floors_.empty() && plan_grounds_.empty() && !world.models.empty()) {
+    Eigen::AlignedBox2d box;
+    for (const Eigen::Vector3f& p : mesh.positions) {
+      box.extend(p.head<2>().cast<double>());
+    }
+    const Eigen::Vector2d low = box.min();
+    const Eigen::Vector2d high = box.max();
+    floors_.push_back({low, {high.x(), low.y()}, high, {low.x(), high.y()}});
+  }
 }
 
-void WalkArea::AddSolid(Outline outline) {
+void WalkArea::AddOutline(const Outline& outline) {
   for (std::size_t i = 0; i < outline.size(); ++i) {
     segments_.push_back({outline[i], outline[(i + 1) % outline.size()]});
   }
+}
+
+void WalkArea::AddSolid(Outline outline) {
+  AddOutline(outline);
   solids_.push_back(std::move(outline));
 }
 
@@ -148,16 +178,16 @@ void WalkArea::AddFloorPlans(const World& world) {
   }
 }
 
+bool WalkArea::IsOnFloor(const Eigen::Vector2d& p_W) const {
+  return IsInAny(floors_, p_W) ||
+         (IsInAny(plan_grounds_, p_W) && !IsInOddNumber(plan_walls_, p_W));
+}
+
 double WalkArea::Clearance(const Eigen::Vector2d& p_W) const {
-  if (segments_.empty()) return kNoPlan;
-  double distance = kNoPlan;
-  for (const Segment& segment : segments_) {
-    distance = std::min(distance, DistanceTo(segment, p_W));
-  }
-  const bool is_on_floor =
-      IsInAny(floors_, p_W) ||
-      (IsInAny(plan_grounds_, p_W) && !IsInOddNumber(plan_walls_, p_W));
-  return is_on_floor && !IsInAny(solids_, p_W) ? distance : -distance;
+  if (floors_.empty() && plan_grounds_.empty()) return kNoPlan;
+  const auto nearest = map_.Nearest(p_W, kNoPlan);
+  const double distance = nearest ? nearest->distance : kNoPlan;
+  return IsOnFloor(p_W) && !IsInAny(solids_, p_W) ? distance : -distance;
 }
 
 }  // namespace waymark

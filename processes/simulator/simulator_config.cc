@@ -155,6 +155,10 @@ void SimulatorConfig::DescribeTime(Describer& d) {
 
 void SimulatorConfig::DescribeRobot(Describer& d) {
   d.Number("radius", &robot.radius, {0.02, 2.0}, "Of the round body, m");
+  d.Number("height",
+           &robot.height,
+           {0.04, 3.0},
+           "Of all of it, cameras too, m: what is lower stands in its way");
   d.Number("meters_per_tick",
            &robot.meters_per_tick,
            {1e-7, 0.1},
@@ -219,6 +223,11 @@ void SimulatorConfig::DescribeRanges(Describer& d) {
                       "RANGES");
   d.Number("rate_hz", &range_rate_hz, kSensorRate, "Readings a second");
   d.Number("sigma", &range_noise, {0.0, 1.0}, "Standard deviation, m");
+  d.Number("height",
+           &range_height,
+           {0.0, 3.0},
+           "Of the plane that is seen, m; 0: nearest of all that stands as "
+           "high as the robot or lower, as in the scan of a depth camera");
 }
 
 void SimulatorConfig::Check() const {

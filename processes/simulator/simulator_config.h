@@ -51,6 +51,7 @@ struct SimulatorConfig {
   RangeKind ranges = RangeKind::kSonar;
   double range_rate_hz = 10.0;
   double range_noise = 0.01;
+  double range_height = 0.0;  // m; 0: all heights of the robot.
   SimulatedCameraConfig camera;
   SimulatedCameraConfig second_camera;
 

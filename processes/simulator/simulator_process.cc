@@ -1,7 +1,7 @@
 #include "processes/simulator/simulator_process.h"
 
 #include "drivers/simulator/build_scene.h"
-#include "drivers/simulator/walk_area.h"
+#include "drivers/simulator/mesh_outline.h"
 #include "estimation/base/input_error.h"
 #include "estimation/geometry/angle.h"
 #include "processes/convert/motion_convert.h"
@@ -26,6 +26,8 @@
 namespace waymark {
 namespace {
 
+// Half the height of what a planar sensor sees, m: a beam has a width.
+constexpr double kHalfPlane = 0.01;
 constexpr std::string_view kSource = "simulator";
 constexpr Duration kInfoPeriod = std::chrono::seconds(1);
 constexpr Duration kSavePeriod = std::chrono::seconds(1);
@@ -62,10 +64,15 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
       bus_(bus),
       world_(LoadWorldFile(FindWorldFile(config.world))),
       scene_(BuildScene(world_, LooksFor(config))),
-      map_(OutlineOfMesh(scene_.mesh, HeightBand{})),
+      area_(world_, scene_.mesh, config.robot.height),
       people_(world_, PeopleOptions{config.robot.radius}),
       range_options_(RangeOptions(config)),
       saver_(config.state_file, bus->is_offline()) {
+  if (config.range_height > 0.0) {
+    seen_.emplace(OutlineOfMesh(scene_.mesh,
+                                {.low = config.range_height - kHalfPlane,
+                                 .high = config.range_height + kHalfPlane}));
+  }
   start_.X_WR = StartPose();
   CheckPlace(start_.X_WR, world_.source + ": start");
   if (!config_.state_file.empty()) LoadState();
@@ -114,14 +121,14 @@ void SimulatorProcess::CheckPlace(const Pose2& X_WR,
                   radius,
                   X_WR.x,
                   X_WR.y);
-  if (const auto nearest = map_.Nearest(X_WR.position(), radius)) {
+  if (const auto nearest = area_.map().Nearest(X_WR.position(), radius)) {
     throw InputError(
         fmt::format("{} would touch something at x {:.3f}, y {:.3f}",
                     robot,
                     nearest->p_W.x(),
                     nearest->p_W.y()));
   }
-  if (WalkArea(world_).Clearance(X_WR.position()) < 0.0) {
+  if (area_.Clearance(X_WR.position()) < 0.0) {
     throw InputError(robot +
                      " would be outside of all rooms, or inside something");
   }
@@ -170,7 +177,8 @@ Simulation SimulatorProcess::MakeSimulation(Time start) const {
   options.start_time = start;
   options.seed = static_cast<std::uint64_t>(config_.seed);
   SimulationWorld world;
-  world.map = &map_;
+  world.map = &area_.map();
+  if (seen_) world.seen = &*seen_;
   world.people = [this](double seconds,
                         const Pose2& X_WR,
                         std::span<const PersonState> states) {

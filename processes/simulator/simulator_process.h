@@ -5,6 +5,7 @@
 #include "drivers/simulator/people.h"
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/simulation.h"
+#include "drivers/simulator/walk_area.h"
 #include "processes/simulator/camera_rig.h"
 #include "processes/simulator/robot_state_file.h"
 #include "processes/simulator/simulated_clock.h"
@@ -100,7 +101,8 @@ class SimulatorProcess {
   Bus* bus_;
   World world_;
   Scene scene_;
-  ObstacleMap map_;
+  WalkArea area_;
+  std::optional<ObstacleMap> seen_;  // By ranges, where that is not all.
   People people_;
   std::optional<RangeSensorOptions> range_options_;
   RobotSnapshot start_;

@@ -12,13 +12,13 @@
 namespace waymark {
 namespace {
 
-std::vector<Segment2> WallsIn(const World& world) {
+std::vector<Segment2> WallsIn(const World& world, double height) {
   return OutlineOfMesh(BuildScene(world, SceneLooks::kPlain).mesh,
-                       HeightBand{});
+                       {.high = height});
 }
 
-std::vector<Segment2> SegmentsOf(const World& world) {
-  std::vector<Segment2> segments = WallsIn(world);
+std::vector<Segment2> SegmentsOf(const World& world, double height) {
+  std::vector<Segment2> segments = WallsIn(world, height);
   for (const WorldPerson& person : world.people) {
     if (person.motion != PersonMotion::kStand) continue;
     // The square about the person.
@@ -49,7 +49,8 @@ ExperimentTasks::World::World(const SimulatorConfig& config,
 ExperimentTasks::World::World(const SimulatorConfig& config,
                               const DriveTaskOptions& options,
                               const waymark::World& world)
-    : map(SegmentsOf(world)), tasks(map, options, StartOf(config, world)) {}
+    : map(SegmentsOf(world, config.robot.height)),
+      tasks(map, options, StartOf(config, world)) {}
 
 ExperimentTasks::ExperimentTasks(const SimulatorConfig& config,
                                  const DriveTaskOptions& options)
@@ -67,7 +68,8 @@ DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
 }
 
 ObstacleMap WallsOf(const SimulatorConfig& config) {
-  return ObstacleMap(WallsIn(LoadWorldFile(FindWorldFile(config.world))));
+  return ObstacleMap(WallsIn(LoadWorldFile(FindWorldFile(config.world)),
+                             config.robot.height));
 }
 
 SimulatorConfig SimulatorWithoutVision() {

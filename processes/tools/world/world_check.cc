@@ -117,7 +117,7 @@ std::vector<ViewCheck> CheckViews(const World& world,
   if (poses.empty()) {
     throw InputError(world.source + ": has neither starts nor places");
   }
-  const WalkArea area(world);
+  const WalkArea area(world, scene.mesh, options.robot_height);
   const People people(world, {});
   RendererOptions renderer_options;
   renderer_options.num_threads = options.num_threads;

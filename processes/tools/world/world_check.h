@@ -52,7 +52,8 @@ struct ViewCheck {
 };
 
 struct WorldCheckOptions {
-  double robot_radius = 0.25;  // m; starts must be this clear of everything.
+  double robot_radius = 0.25;  // m; starts must be this clear of everything
+  double robot_height = 1.1;   // up to here.
   int num_headings = 4;        // At each start and place.
   int num_threads = 1;
   // Of the light map, m: coarse, since only how bright a view is counts.

@@ -1,5 +1,7 @@
 #include "drivers/simulator/mesh_outline.h"
 
+#include "drivers/simulator/obstacle_map.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,13 +59,28 @@ TEST(MeshOutline, PiecesOfOneLineAreJoinedAndGapsStay) {
 
 TEST(MeshOutline, BandLeavesOutFloorAndWhatIsHigher) {
   SceneMesh mesh;
-  AddTriangle({0, 0, 0}, {9, 0, 0}, {0, 9, 0}, &mesh);           // Floor.
-  AddTriangle({0, 0, 2.6f}, {9, 0, 2.6f}, {0, 9, 2.6f}, &mesh);  // Ceiling.
-  AddTriangle({1, 1, 0.7f}, {2, 1, 0.7f}, {1, 2, 0.7f}, &mesh);  // Table top.
-  EXPECT_TRUE(OutlineOfMesh(mesh, {}).empty());
-  const auto high = OutlineOfMesh(mesh, {0.6, 0.8});
+  AddTriangle({0, 0, 0}, {9, 0, 0}, {0, 9, 0}, &mesh);              // Floor.
+  AddTriangle({0, 0, 2.6f}, {9, 0, 2.6f}, {0, 9, 2.6f}, &mesh);     // Ceiling.
+  AddTriangle({1, 1, .7f}, {1.1f, 1, .7f}, {1, 1.1f, .7f}, &mesh);  // A stool.
+  EXPECT_TRUE(OutlineOfMesh(mesh, {0.02, 0.6}).empty());
+  EXPECT_TRUE(OutlineOfMesh(mesh, {0.8, 2.0}).empty());
+  const auto high = OutlineOfMesh(mesh, {});
   EXPECT_EQ(high.size(), 3u);
-  EXPECT_NEAR(Length(high), 2.0 + std::sqrt(2.0), 1e-5);
+  EXPECT_NEAR(Length(high), 0.2 + 0.1 * std::sqrt(2.0), 1e-5);
+}
+
+TEST(MeshOutline, NothingIsFreeWithinATableTop) {
+  SceneMesh mesh;
+  AddTriangle({1, 1, 0.7f}, {4, 1, 0.7f}, {4, 3, 0.7f}, &mesh);
+  AddTriangle({1, 1, 0.7f}, {4, 3, 0.7f}, {1, 3, 0.7f}, &mesh);
+  const ObstacleMap map(OutlineOfMesh(mesh, {}));
+  for (double x = 1.0; x <= 4.0; x += 0.05) {
+    for (double y = 1.0; y <= 3.0; y += 0.05) {
+      EXPECT_TRUE(map.Nearest({x, y}, kHatch / 2.0 + 1e-6)) << x << " " << y;
+    }
+  }
+  EXPECT_FALSE(map.Nearest({0.9, 2.0}, 0.099));  // As large as it is.
+  EXPECT_FALSE(map.Nearest({2.0, 3.1}, 0.099));
 }
 
 TEST(MeshOutline, ARampCountsFromWhereItReachesTheBand) {
@@ -73,7 +90,7 @@ TEST(MeshOutline, ARampCountsFromWhereItReachesTheBand) {
   AddTriangle({0, 0, 0}, {10, 2, 1}, {0, 2, 0}, &mesh);
   double low = 1e9;
   double high = -1e9;
-  for (const Segment2& s : OutlineOfMesh(mesh, {})) {
+  for (const Segment2& s : OutlineOfMesh(mesh, {0.02, 0.5})) {
     low = std::min({low, s.a.x(), s.b.x()});
     high = std::max({high, s.a.x(), s.b.x()});
   }

@@ -36,11 +36,12 @@ class ShippedWorld : public testing::TestWithParam<std::string> {
   World world_ = LoadWorldFile(FindWorldFile(GetParam()));
 };
 
-// A robot of this radius, m, is free at starts and places and on routes.
+// A robot of this size, m, is free at starts and places and on routes.
 constexpr double kRobotRadius = 0.25;
+constexpr double kRobotHeight = 1.1;
 
 TEST_P(ShippedWorld, HasRoomForARobotWhereItIsToBe) {
-  const WalkArea area(world_);
+  const WalkArea area(world_, kRobotHeight);
   EXPECT_FALSE(world_.starts.empty());
   for (const auto* poses : {&world_.starts, &world_.places}) {
     for (const WorldPose& pose : *poses) {

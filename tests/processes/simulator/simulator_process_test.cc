@@ -141,6 +141,38 @@ TEST_F(SimulatorProcessTest, AWallStopsItAndIsCountedOnce) {
   EXPECT_TRUE(bases.back().is_bumper_right);
 }
 
+// Its camera does not pass through the top; what a planar sensor sees is the
+// matter of whoever sets one.
+TEST_F(SimulatorProcessTest, ATableStopsItAndIsSeen) {
+  Write("table.yaml",
+        "rooms: [{name: room, rectangle: [0, 0, 6, 4]}]\n"
+        "furniture:\n"
+        "  - {kind: table, at: [4, 2], size: [2, 3, 0.74]}\n"
+        "starts: [[1, 2, 0]]\n");
+  config_.world = Path("table.yaml");
+  SimulatorConfig below = config_;
+  below.start = {4.0, 2.3, 0.0};
+  EXPECT_THAT(ErrorOf(below), HasSubstr("would touch something"));
+  below.robot.height = 0.5;
+  EXPECT_EQ(ErrorOf(below), "none");
+  config_.ranges = RangeKind::kLidar;
+  config_.range_noise = 0.0;
+  const auto ahead = [&](double height) {
+    config_.range_height = height;
+    LocalBus world(kStart);
+    SimulatorProcess process(config_, world.AddProcess("simulator"));
+    Drive(&world, kStart, kStart + seconds(9), 0.4, 0.0);
+    world.RunUntil(kStart + seconds(9));
+    EXPECT_EQ(world.Messages<base_status_t>(kBase).back().num_contacts, 1);
+    EXPECT_NEAR(world.Messages<truth_t>(kTruth).back().x, 3.0 - 0.17, 0.001);
+    const auto ranges = world.Messages<planar_lidar_t>(kRanges);
+    // From the start; the first one in whose middle nothing is lost.
+    return std::min(ranges[0].ranges[180], ranges[1].ranges[180]);
+  };
+  EXPECT_NEAR(ahead(0.0), 2.0, 0.1);
+  EXPECT_NEAR(ahead(0.3), 5.0, 0.1);  // Below the top, to the wall.
+}
+
 TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
   config_.camera.name = "FRONT";
   config_.camera.timing.rate_hz = 10.0;
@@ -363,6 +395,8 @@ TEST_F(SimulatorProcessTest, BadInputIsOneLine) {
   config = config_;
   config.start = {0.1, 2.0, 0.0};
   EXPECT_THAT(ErrorOf(config), HasSubstr("would touch something at x 0.0"));
+  config.start = {1000.0, 2.0, 0.0};
+  EXPECT_THAT(ErrorOf(config), HasSubstr("would be outside of all rooms"));
   config = config_;
   config.camera.name = "FRONT";
   config.camera.file = "nothing";
