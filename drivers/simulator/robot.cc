@@ -33,6 +33,18 @@ void RobotOptions::Check() const {
   RequireWithin("slip_share", slip_share, 0.0, 1.0);
 }
 
+namespace {
+
+DifferentialBaseOptions BaseOptions(const RobotOptions& options) {
+  options.Check();
+  return {.wheel_base = options.wheel_base,
+          .max_wheel_speed = options.max_wheel_speed,
+          .command_timeout_s = options.command_timeout_s,
+          .max_wheel_acceleration = options.max_wheel_acceleration};
+}
+
+}  // namespace
+
 SimulatedRobot::SimulatedRobot(const RobotOptions& options,
                                const RobotSnapshot& start,
                                std::uint64_t seed)
@@ -41,9 +53,9 @@ SimulatedRobot::SimulatedRobot(const RobotOptions& options,
       slip_noise_(SeedFor(seed, "robot.slip")),
       X_WR_(start.X_WR),
       ticks_{start.right_ticks, start.left_ticks},
+      base_(BaseOptions(options)),
       X_WR0_(X_WR_),
       ticks0_(ticks_) {
-  options_.Check();
   WAYMARK_CHECK(X_WR_.vector().allFinite() && std::isfinite(ticks_.right) &&
                     std::isfinite(ticks_.left),
                 X_WR_.vector().transpose(),
@@ -55,34 +67,15 @@ SimulatedRobot::SimulatedRobot(const RobotOptions& options,
 void SimulatedRobot::Command(double forward, double turn_rate) {
   WAYMARK_CHECK(
       std::isfinite(forward) && std::isfinite(turn_rate), forward, turn_rate);
-  const double half = 0.5 * turn_rate * options_.wheel_base;
-  asked_ = {forward + half, forward - half};
-  const double fastest =
-      std::max(std::abs(asked_.right), std::abs(asked_.left));
-  if (fastest > options_.max_wheel_speed) {
-    asked_.right *= options_.max_wheel_speed / fastest;
-    asked_.left *= options_.max_wheel_speed / fastest;
-  }
-  command_age_ = 0.0;
-  is_command_current_ = true;
+  base_.Command(Now(), forward, turn_rate);
 }
 
 SimulatedRobot::Wheels SimulatedRobot::TurnWheels(double dt) {
-  command_age_ += dt;
+  seconds_ += dt;
   const double a = options_.max_wheel_acceleration;
-  // The speed from which the rest of the time is enough to brake.
-  const double cap =
-      a * std::max(0.0, options_.command_timeout_s - command_age_);
-  if (is_command_current_ && cap == 0.0) {
-    is_command_current_ = false;
-    if (asked_.right != 0.0 || asked_.left != 0.0) ++num_timeouts_;
-    asked_ = {};
-  }
-  const double fastest =
-      std::max(std::abs(asked_.right), std::abs(asked_.left));
-  const double slower = fastest > cap ? cap / fastest : 1.0;
-  const double change_right = slower * asked_.right - speed_.right;
-  const double change_left = slower * asked_.left - speed_.left;
+  const WheelSpeeds asked = base_.Speeds(Now());
+  const double change_right = asked.right - speed_.right;
+  const double change_left = asked.left - speed_.left;
   // Both wheels arrive at the same time.
   const double ramp_s =
       std::max(std::abs(change_right), std::abs(change_left)) / a;
@@ -164,6 +157,10 @@ void SimulatedRobot::Step(double dt,
   ticks_ = {ticks0_.right + tick_share_ * turned_.right,
             ticks0_.left + tick_share_ * turned_.left};
   CountTouch(contact, map, people);
+  if (options_.holds_at_bumper) {
+    base_.Sense({.is_bumper_left = is_left_bumper_pressed(),
+                 .is_bumper_right = is_right_bumper_pressed()});
+  }
 }
 
 void SimulatedRobot::StopAt(const ArcContact& contact, const Wheels& way) {

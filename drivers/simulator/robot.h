@@ -2,7 +2,9 @@
 #pragma once
 
 #include "drivers/simulator/obstacle_map.h"
+#include "drivers/wheels/differential_base.h"
 #include "estimation/base/random.h"
+#include "estimation/base/time.h"
 #include "estimation/geometry/pose2.h"
 
 #include <cstdint>
@@ -47,6 +49,10 @@ struct RobotOptions {
   double slip_share = 0.5;
 
   BlockedWheels blocked_wheels = BlockedWheels::kStall;
+  // Once its bumper was pressed it goes no further forward until the bumper is
+  // free and no forward motion is asked for, as bases with bumpers do
+  // (drivers/wheels); else it pushes.
+  bool holds_at_bumper = true;
 
   // Throws std::invalid_argument naming the first field out of range.
   void Check() const;
@@ -99,9 +105,17 @@ class SimulatedRobot {
   [[nodiscard]] bool is_left_bumper_pressed() const;
   [[nodiscard]] bool is_right_bumper_pressed() const;
   // False before the first command and command_timeout_s after the last.
-  [[nodiscard]] bool is_command_current() const { return is_command_current_; }
+  [[nodiscard]] bool is_command_current() const {
+    return base_.is_command_current();
+  }
+  // Its bumper holds back what is asked of it.
+  [[nodiscard]] bool is_held() const {
+    return base_.hold() == BaseHold::kBumper;
+  }
   // Commands to move that were not renewed in time, so far.
-  [[nodiscard]] std::int64_t num_timeouts() const { return num_timeouts_; }
+  [[nodiscard]] std::int64_t num_timeouts() const {
+    return base_.num_timeouts();
+  }
   // Length of the true way so far, m.
   [[nodiscard]] double way() const { return way_; }
   [[nodiscard]] const RobotOptions& options() const { return options_; }
@@ -130,6 +144,8 @@ class SimulatedRobot {
                   const ObstacleMap& map,
                   std::span<const Disc2> people);
   [[nodiscard]] double TouchBearing() const;
+  // Since the start.
+  [[nodiscard]] Time Now() const { return Time(DurationFromSeconds(seconds_)); }
 
   RobotOptions options_;
   Random wheel_noise_;
@@ -137,11 +153,9 @@ class SimulatedRobot {
   Pose2 X_WR_;
   Wheels ticks_;
 
-  Wheels asked_;              // Within the limits.
-  Wheels speed_;              // Nominal.
-  double command_age_ = 0.0;  // s.
-  bool is_command_current_ = false;
-  std::int64_t num_timeouts_ = 0;
+  DifferentialBase base_;
+  double seconds_ = 0.0;  // So far.
+  Wheels speed_;          // Nominal.
 
   // The last step.
   Pose2 X_WR0_;

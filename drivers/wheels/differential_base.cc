@@ -18,6 +18,10 @@ void DifferentialBaseOptions::Check() const {
   if (!(command_timeout_s > 0.0) || !std::isfinite(command_timeout_s)) {
     throw std::invalid_argument("command_timeout_s must be positive");
   }
+  if (!(max_wheel_acceleration > 0.0) ||
+      !std::isfinite(max_wheel_acceleration)) {
+    throw std::invalid_argument("max_wheel_acceleration must be positive");
+  }
 }
 
 WheelSpeeds WheelSpeedsOf(double forward,
@@ -42,7 +46,7 @@ DifferentialBase::DifferentialBase(const DifferentialBaseOptions& options)
 
 void DifferentialBase::WearOut(Time now) {
   if (!is_current_ ||
-      now - commanded_ <= DurationFromSeconds(options_.command_timeout_s)) {
+      now - commanded_ < DurationFromSeconds(options_.command_timeout_s)) {
     return;
   }
   if (forward_ != 0.0 || turn_rate_ != 0.0) ++num_timeouts_;
@@ -87,7 +91,17 @@ WheelSpeeds DifferentialBase::Speeds(Time now) {
   WearOut(now);
   if (holds_all_) return {};
   const double forward = holds_forward_ ? std::min(forward_, 0.0) : forward_;
-  return WheelSpeedsOf(forward, turn_rate_, options_);
+  WheelSpeeds speeds = WheelSpeedsOf(forward, turn_rate_, options_);
+  // The speed from which the rest of the time is enough to brake.
+  const double rest_s = options_.command_timeout_s - Seconds(now - commanded_);
+  const double cap = options_.max_wheel_acceleration * std::max(0.0, rest_s);
+  const double fastest =
+      std::max(std::abs(speeds.right), std::abs(speeds.left));
+  if (fastest > cap) {
+    speeds.right *= cap / fastest;
+    speeds.left *= cap / fastest;
+  }
+  return speeds;
 }
 
 BaseHold DifferentialBase::hold() const {

@@ -11,7 +11,9 @@ namespace waymark {
 struct DifferentialBaseOptions {
   double wheel_base = 0.235;       // Between the wheels, m.
   double max_wheel_speed = 0.5;    // m/s.
-  double command_timeout_s = 0.5;  // A command holds no longer than this.
+  double command_timeout_s = 0.5;  // So long after a command the base stands.
+  // By which it brakes so as to stand then, m/s^2.
+  double max_wheel_acceleration = 2.0;
 
   // Throws std::invalid_argument naming the first field out of range.
   void Check() const;
@@ -45,9 +47,9 @@ struct BaseSensors {
   bool operator==(const BaseSensors&) const = default;
 };
 
-// Commands wear out; what the base runs into holds it until whoever drives has
-// noticed: asks for no forward motion (bumper), for none at all (stop), or for
-// nothing any more.
+// Commands wear out, and the base brakes ahead of that; what the base runs into
+// holds it until whoever drives has noticed: asks for no forward motion
+// (bumper), for none at all (stop), or for nothing any more.
 class DifferentialBase {
  public:
   // Throws as Check() does.

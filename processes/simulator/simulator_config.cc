@@ -173,6 +173,10 @@ void SimulatorConfig::DescribeRobot(Describer& d) {
            &robot.command_timeout_s,
            {0.02, 10.0},
            "After the last MOTION_COMMAND the robot stops");
+  d.Flag("holds_at_bumper",
+         &robot.holds_at_bumper,
+         "Once bumped it goes no further forward until that is released and "
+         "not asked for, as wheels does; else it pushes");
   d.Number("encoder_rate_hz", &encoder_rate_hz, kSensorRate, "ENCODERS, TRUTH");
   d.Number("status_rate_hz", &status_rate_hz, kSensorRate, "BASE");
 }

@@ -35,7 +35,11 @@ void WheelsConfig::Describe(Describer& d) {
   d.Number("command_timeout_s",
            &session.base.command_timeout_s,
            {0.05, 10.0},
-           "A command that is not renewed holds this long");
+           "So long after the last MOTION_COMMAND the robot stands");
+  d.Number("max_wheel_acceleration",
+           &session.base.max_wheel_acceleration,
+           {0.1, 100.0},
+           "It brakes by this so as to stand then, m/s^2");
   d.Number("silence_s",
            &session.silence_s,
            {0.15, 60.0},

@@ -259,6 +259,7 @@ TEST(Robot, StopsAtAWallOnceAndBacksOff) {
        {BlockedWheels::kStall, BlockedWheels::kSpin}) {
     RobotOptions options = Noiseless();
     options.blocked_wheels = wheels;
+    options.holds_at_bumper = false;
     SimulatedRobot robot(options, {}, 1);
     Drive(0.5, 0.0, 5.0, &robot, wall);
     const double reach = 1.0 - options.radius - SimulatedRobot::kSkin;
@@ -283,6 +284,34 @@ TEST(Robot, StopsAtAWallOnceAndBacksOff) {
     Drive(0.5, 0.0, 2.0, &robot, wall);
     EXPECT_EQ(robot.num_touches(), 2);
   }
+}
+
+// As a base with bumpers: wheels/differential_base.h.
+TEST(Robot, OnceBumpedGoesForwardOnlyAfterItWasToldNotTo) {
+  std::vector<Segment2> walls{{{1.0, -2.0}, {1.0, 2.0}}};
+  const ObstacleMap wall(walls);
+  SimulatedRobot robot(Noiseless(), {}, 1);
+  Drive(0.5, 0.0, 3.0, &robot, wall);
+  EXPECT_TRUE(robot.is_held());
+  // The wall goes: whoever goes on asking stands all the same.
+  const Pose2 rest = robot.X_WR();
+  Drive(0.5, 0.0, 1.0, &robot);
+  EXPECT_EQ(robot.X_WR(), rest);
+  EXPECT_FALSE(robot.is_left_bumper_pressed());
+  EXPECT_TRUE(robot.is_held());
+  Drive(0.0, 0.0, 0.005, &robot);
+  EXPECT_FALSE(robot.is_held());
+  Drive(0.5, 0.0, 1.0, &robot);
+  EXPECT_GT(robot.X_WR().x, rest.x + 0.3);
+  // Backing off serves as well; standing before the wall does not.
+  SimulatedRobot other(Noiseless(), {}, 1);
+  Drive(0.5, 0.0, 3.0, &other, wall);
+  Drive(0.0, 0.0, 1.0, &other, wall);
+  EXPECT_TRUE(other.is_held());
+  Drive(-0.3, 0.0, 1.0, &other, wall);
+  EXPECT_FALSE(other.is_held());
+  Drive(0.5, 0.0, 3.0, &other, wall);
+  EXPECT_EQ(other.num_touches(), 2);
 }
 
 TEST(Robot, BumperSaysWhichSide) {

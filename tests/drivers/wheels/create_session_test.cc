@@ -77,9 +77,11 @@ TEST(CreateSession, TicksAreTheWayAndWrap) {
   const CreateReading& last = world.readings.back();
   EXPECT_LT(last.sensors.left_ticks, 10000);  // Wrapped.
   const auto way = static_cast<std::uint16_t>(last.sensors.left_ticks - 65000);
-  // 8 s, and the half second until the command has worn out; a period of
-  // either side.
-  EXPECT_NEAR(way * kCreateMetersPerTick, 8.5 * 0.25, 0.02 * 0.25 + 0.001);
+  // 8 s, and the half second until the command has worn out, but for braking
+  // in the last 0.125 s of it; a period of either side.
+  EXPECT_NEAR(way * kCreateMetersPerTick,
+              (8.5 - 0.5 * 0.125) * 0.25,
+              0.02 * 0.25 + 0.001);
   EXPECT_EQ(world.session.base().num_timeouts(), 1);
 }
 

@@ -53,9 +53,12 @@ TEST(DifferentialBase, CommandsWearOut) {
   EXPECT_FALSE(base.is_command_current());
   EXPECT_EQ(base.Speeds(At(0.0)), WheelSpeeds{});
   base.Command(At(1.0), 0.2, 0.0);
-  EXPECT_EQ(base.Speeds(At(1.5)), (WheelSpeeds{0.2, 0.2}));
+  EXPECT_EQ(base.Speeds(At(1.399)), (WheelSpeeds{0.2, 0.2}));
+  // At 2 m/s^2 it has 0.1 s to stand in time, on the same curve.
+  EXPECT_NEAR(base.Speeds(At(1.45)).right, 0.1, 1e-12);
+  EXPECT_NEAR(base.Speeds(At(1.45)).left, 0.1, 1e-12);
   EXPECT_TRUE(base.is_command_current());
-  EXPECT_EQ(base.Speeds(At(1.500001)), WheelSpeeds{});
+  EXPECT_EQ(base.Speeds(At(1.5)), WheelSpeeds{});
   EXPECT_FALSE(base.is_command_current());
   EXPECT_EQ(base.Speeds(At(9.0)), WheelSpeeds{});
   EXPECT_EQ(base.num_timeouts(), 1);
