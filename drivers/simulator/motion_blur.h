@@ -25,9 +25,4 @@ struct ExposureMoment {
                                     std::span<const ExposureMoment> moments,
                                     RenderQuality quality);
 
-// The moments of a camera that goes straight, and turns evenly, from `first`
-// to `last`; likewise the movers. `num_moments` at least 1: then halfway.
-[[nodiscard]] std::vector<ExposureMoment> MomentsBetween(
-    const ExposureMoment& first, const ExposureMoment& last, int num_moments);
-
 }  // namespace waymark

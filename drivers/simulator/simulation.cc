@@ -27,6 +27,7 @@ void SimulationOptions::Check() const {
   if (ranges) ranges->Check();
   for (const SimulatedCamera& camera : cameras) {
     camera.timing.Check();
+    camera.head.Check();
     RequireWithin("num_exposure_poses", camera.num_exposure_poses, 1, 1000);
     const auto same = [&](const SimulatedCamera& other) {
       return other.name == camera.name;
@@ -36,7 +37,6 @@ void SimulationOptions::Check() const {
                                   "'");
     }
   }
-  head.Check();
   RequireAbove0("person_radius", person_radius);
 }
 
@@ -50,7 +50,6 @@ Simulation::Simulation(const SimulationOptions& options,
     : options_(options),
       world_(std::move(world)),
       robot_(options_.robot, start, options_.seed),
-      head_(options_.head),
       encoder_clock_{options_.encoder_rate_hz},
       range_clock_{options_.ranges ? options_.ranges->rate_hz : 0.0},
       status_clock_{options_.status_rate_hz},
@@ -64,7 +63,7 @@ Simulation::Simulation(const SimulationOptions& options,
     CameraTimer timer(
         camera.timing, options_.start_time, options_.seed, camera.name);
     const CameraFrame first = timer.Next();
-    cameras_.push_back({timer, first, {}});
+    cameras_.push_back({timer, PanTiltHead(camera.head), first, {}});
   }
 }
 
@@ -73,7 +72,7 @@ void Simulation::Command(double forward, double turn_rate) {
 }
 
 void Simulation::CommandHead(const PanTilt& target) {
-  head_.Command(now_, target);
+  for (CameraState& camera : cameras_) camera.head.Command(now_, target);
 }
 
 // ---- when -------------------------------------------------------------------
@@ -175,7 +174,7 @@ void Simulation::TakeCamera(std::size_t camera,
       static_cast<std::size_t>(options_.cameras[camera].num_exposure_poses);
   if (state.poses.size() < num_poses) {
     const Pose2 X_WR = PoseAt(t);
-    state.poses.push_back({t, X_WR, head_.AnglesAt(t), PeopleAt(t, X_WR)});
+    state.poses.push_back({t, X_WR, state.head.AnglesAt(t), PeopleAt(t, X_WR)});
     return;
   }
   events->push_back(CameraEvent{

@@ -24,6 +24,7 @@ struct SimulatedCamera {
   CameraTimingOptions timing;
   // Poses over the exposure that an event has; 1: its middle alone.
   int num_exposure_poses = 1;
+  PanTiltHeadOptions head;  // Its own; one that is fixed makes no use of it.
 };
 
 struct SimulationOptions {
@@ -34,7 +35,6 @@ struct SimulationOptions {
   double truth_rate_hz = 50.0;
   std::optional<RangeSensorOptions> ranges;
   std::vector<SimulatedCamera> cameras;
-  PanTiltHeadOptions head;
   double person_radius = 0.25;  // m.
   Time start_time;
   std::uint64_t seed = 1;  // All noise follows from it, each source's by name.
@@ -93,7 +93,7 @@ struct TruthEvent {
 struct ExposurePose {
   Time time;
   Pose2 X_WR;
-  PanTilt head;
+  PanTilt head;             // Of this camera.
   std::vector<Pose2> X_WP;  // Of the people.
 };
 
@@ -129,6 +129,7 @@ class Simulation {
 
   // As SimulatedRobot::Command; acts at once but for the step under way.
   void Command(double forward, double turn_rate);
+  // To all heads, each within its own limits.
   void CommandHead(const PanTilt& target);
 
   // Moves on to `end` and returns what happened after the last call until then,
@@ -152,6 +153,7 @@ class Simulation {
   };
   struct CameraState {
     CameraTimer timer;
+    PanTiltHead head;
     CameraFrame frame;                // The next one.
     std::vector<ExposurePose> poses;  // So far.
   };
@@ -173,7 +175,6 @@ class Simulation {
   SimulationOptions options_;
   SimulationWorld world_;
   SimulatedRobot robot_;
-  PanTiltHead head_;
   std::optional<RangeSensor> ranges_;
   Clock encoder_clock_;
   Clock range_clock_;

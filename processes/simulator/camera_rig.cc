@@ -1,5 +1,6 @@
 #include "processes/simulator/camera_rig.h"
 
+#include "drivers/simulator/motion_blur.h"
 #include "estimation/base/random.h"
 #include "estimation/geometry/pose3.h"
 #include "processes/convert/camera_convert.h"
@@ -58,26 +59,18 @@ Eigen::Isometry3d CameraRig::CameraPose(const ExposurePose& pose) const {
 }
 
 cv::Mat3f CameraRig::LightOf(const CameraEvent& event) const {
-  RenderOptions options;
-  options.quality = config_.quality == CameraQuality::kLive
-                        ? RenderQuality::kLive
-                        : RenderQuality::kStill;
-  options.image = false;
-  options.linear = true;
-  cv::Mat3f sum;
+  std::vector<ExposureMoment> moments;
   for (const ExposurePose& pose : event.poses) {
-    std::vector<Eigen::Isometry3d> X_WP;
-    for (const Pose2& X : pose.X_WP) X_WP.push_back(SpatialPose(X));
-    const RenderedView view =
-        renderer_->Render(rays_, CameraPose(pose), X_WP, options);
-    if (sum.empty()) {
-      sum = view.linear;
-    } else {
-      sum += view.linear;
-    }
+    ExposureMoment& moment = moments.emplace_back();
+    moment.X_WC = CameraPose(pose);
+    for (const Pose2& X : pose.X_WP) moment.X_WP.push_back(SpatialPose(X));
   }
-  if (event.poses.size() > 1) sum /= static_cast<double>(event.poses.size());
-  return sum;
+  return GatherLight(*renderer_,
+                     rays_,
+                     moments,
+                     config_.quality == CameraQuality::kLive
+                         ? RenderQuality::kLive
+                         : RenderQuality::kStill);
 }
 
 CameraRig::Shot CameraRig::Expose(const CameraEvent& event) {
@@ -106,7 +99,10 @@ camera_info_t CameraRig::Info(Time time, std::int64_t seq) const {
 }
 
 SimulatedCamera CameraRig::timing() const {
-  return {config_.name, config_.timing, static_cast<int>(config_.blur_samples)};
+  return {config_.name,
+          config_.timing,
+          static_cast<int>(config_.blur_samples),
+          config_.head};
 }
 
 }  // namespace waymark

@@ -1,8 +1,12 @@
 #include "processes/simulator/simulator_config.h"
 
-#include "estimation/geometry/angle.h"
+#include "processes/convert/camera_file.h"
+#include "processes/convert/world_file.h"
+#include "processes/support/channels.h"
 
+#include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -11,6 +15,7 @@ namespace {
 constexpr Range kSensorRate{0.5, 200.0};
 constexpr Range kShare{0.0, 1.0};
 constexpr Range kSpeed{1e-3, 10.0};
+constexpr double kFarthest = 1e6;  // m; beyond all worlds.
 
 }  // namespace
 
@@ -23,7 +28,9 @@ SimulatedCameraConfig::SimulatedCameraConfig() {
 }
 
 void SimulatedCameraConfig::Describe(Describer& d) {
-  d.Text("name", &name, "As in IMAGE_<name>; empty: no such camera");
+  d.Text("name",
+         &name,
+         "As in IMAGE_<name>: A-Z, 0-9 and _; empty: no such camera");
   d.Text("file",
          &file,
          "Calibration file, or one that comes with Waymark: perspective, "
@@ -56,44 +63,46 @@ void SimulatedCameraConfig::Describe(Describer& d) {
             10'000'000,
             "Of one JPEG; its quality follows");
   d.Group(
-      "head",
-      [&] {
-        d.Flag("present",
-               &has_head,
-               "On a pan-tilt head even where the calibration knows of none");
-        d.Number("max_rate", &head.max_rate, {0.01, 20.0}, "rad/s");
-        d.Degrees("max_pan_deg", &head.max_pan, {0.0, 180.0}, "To both sides");
-        d.Degrees("max_tilt_deg", &head.max_tilt, {0.0, 90.0}, "Both ways");
-      },
-      "The camera's head");
+      "head", [&] { DescribeHead(d); }, "The camera's head");
   d.Group(
       "sensor",
-      [&] {
-        d.Number("vignetting",
-                 &sensor.vignetting,
-                 {0.0, 0.99},
-                 "Share of the light that the image's corners lack");
-        d.Number("gain", &sensor.gain, {0.1, 10.0}, "Of the first image");
-        d.Number("auto_exposure_s",
-                 &sensor.auto_exposure_s,
-                 {0.0, 600.0},
-                 "Time in which the gain follows the light; 0: it is fixed");
-        d.Number("full_well_electrons",
-                 &sensor.full_well_electrons,
-                 {0.0, 1e7},
-                 "Of a white pixel: photon noise; 0: none");
-        d.Number("read_noise",
-                 &sensor.read_noise,
-                 {0.0, 0.5},
-                 "Standard deviation in the dark, of the full sensor");
-        d.Integer("blur_samples",
-                  &blur_samples,
-                  1,
-                  64,
-                  "Images that are averaged over one exposure, each as costly "
-                  "as one; 1: no motion blur");
-      },
+      [&] { DescribeSensor(d); },
       "What the sensor makes of the light");
+}
+
+void SimulatedCameraConfig::DescribeHead(Describer& d) {
+  d.Flag("present",
+         &has_head,
+         "On a pan-tilt head even where the calibration knows of none");
+  d.Number("max_rate", &head.max_rate, {0.01, 20.0}, "rad/s");
+  d.Degrees("max_pan_deg", &head.max_pan, {0.0, 180.0}, "To both sides");
+  d.Degrees("max_tilt_deg", &head.max_tilt, {0.0, 90.0}, "Both ways");
+}
+
+void SimulatedCameraConfig::DescribeSensor(Describer& d) {
+  d.Number("vignetting",
+           &sensor.vignetting,
+           {0.0, 0.99},
+           "Share of the light that the image's corners lack");
+  d.Number("gain", &sensor.gain, {0.1, 10.0}, "Of the first image");
+  d.Number("auto_exposure_s",
+           &sensor.auto_exposure_s,
+           {0.0, 600.0},
+           "Time in which the gain follows the light; 0: it is fixed");
+  d.Number("full_well_electrons",
+           &sensor.full_well_electrons,
+           {0.0, 1e7},
+           "Of a white pixel: photon noise; 0: none");
+  d.Number("read_noise",
+           &sensor.read_noise,
+           {0.0, 0.5},
+           "Standard deviation in the dark, of the full sensor");
+  d.Integer("blur_samples",
+            &blur_samples,
+            1,
+            64,
+            "Images that are averaged over one exposure, each as costly "
+            "as one; 1: no motion blur");
 }
 
 SimulatorConfig::SimulatorConfig() {
@@ -239,7 +248,17 @@ void SimulatorConfig::Check() const {
     throw std::invalid_argument("second_camera.name = " + camera.name +
                                 ": is the first one's");
   }
-  for (const SimulatedCameraConfig* one : {&camera, &second_camera}) {
+  for (const double value : start) {
+    if (std::abs(value) > kFarthest) {
+      throw std::invalid_argument("start: its numbers must be within +-1e6");
+    }
+  }
+  for (const auto& [key, one] : {std::pair("camera", &camera),
+                                 std::pair("second_camera", &second_camera)}) {
+    if (!one->name.empty() && !IsCameraName(one->name)) {
+      throw std::invalid_argument(std::string(key) + ".name = " + one->name +
+                                  " must consist of A-Z, 0-9 and _");
+    }
     if (one->timing.exposure_s * one->timing.rate_hz > 1.0) {
       throw std::invalid_argument(
           "exposure_s of a camera must be at most 1 / rate_hz");
@@ -249,6 +268,13 @@ void SimulatorConfig::Check() const {
     one->sensor.Check();
   }
   robot.Check();
+}
+
+void SimulatorConfig::CheckFiles() const {
+  (void)LoadWorldFile(FindWorldFile(world));
+  for (const SimulatedCameraConfig* one : {&camera, &second_camera}) {
+    if (!one->name.empty()) (void)LoadCameraFile(FindCameraFile(one->file));
+  }
 }
 
 }  // namespace waymark

@@ -19,7 +19,7 @@ enum class RangeKind : std::uint8_t { kNone, kSonar, kLidar };
 enum class CameraQuality : std::uint8_t { kLive, kStill };
 
 struct SimulatedCameraConfig {
-  std::string name;  // As in IMAGE_<name>; empty: no such camera.
+  std::string name;  // As in IMAGE_<name>, of A-Z, 0-9, _; empty: no camera.
   std::string file;  // Calibration, or one that comes with Waymark.
   CameraTimingOptions timing;
   CameraQuality quality = CameraQuality::kLive;
@@ -33,6 +33,10 @@ struct SimulatedCameraConfig {
 
   SimulatedCameraConfig();
   void Describe(Describer& d);
+
+ private:
+  void DescribeHead(Describer& d);
+  void DescribeSensor(Describer& d);
 };
 
 struct SimulatorConfig {
@@ -59,6 +63,8 @@ struct SimulatorConfig {
   void Describe(Describer& d);
   // Throws std::invalid_argument naming the key.
   void Check() const;
+  // Throws InputError where the world's or a camera's file cannot be used.
+  void CheckFiles() const;
 
  private:
   void DescribeTime(Describer& d);

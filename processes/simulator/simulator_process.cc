@@ -172,7 +172,6 @@ Simulation SimulatorProcess::MakeSimulation(Time start) const {
   for (const Camera& camera : cameras_) {
     options.cameras.push_back(camera.rig->timing());
   }
-  options.head = config_.camera.head;
   options.person_radius = kPersonRadius;
   options.start_time = start;
   options.seed = static_cast<std::uint64_t>(config_.seed);

@@ -29,5 +29,11 @@ inline constexpr std::string_view kBase = "BASE";
 // Followed by the camera's name: IMAGE_FRONT.
 inline constexpr std::string_view kImagePrefix = "IMAGE_";
 inline constexpr std::string_view kCameraInfoPrefix = "CAMERA_INFO_";
+// Whether it may follow them: A-Z, 0-9 and _ alone.
+[[nodiscard]] constexpr bool IsCameraName(std::string_view name) {
+  constexpr std::string_view kAllowed = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+  return !name.empty() &&
+         name.find_first_not_of(kAllowed) == std::string_view::npos;
+}
 
 }  // namespace waymark

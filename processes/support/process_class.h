@@ -27,6 +27,8 @@ class ProcessSetup {
   // Defaults, file (none where empty), settings, check. Throws InputError.
   virtual void Load(const std::string& path,
                     const std::vector<std::string>& settings) = 0;
+  // That the files which it names can be used. Throws InputError.
+  virtual void CheckFiles() const = 0;
   virtual void Describe(Describer& d) = 0;
   [[nodiscard]] virtual std::unique_ptr<RunningProcess> Construct(
       Bus* bus) const = 0;
@@ -39,9 +41,9 @@ struct ProcessClass {
 };
 
 // P has a nested type Config with Describe(Describer&) and, if it wants one,
-// Check() const; a constant kName; a constructor (const Config&, Bus*); and if
-// it wants one, Finish(). A constant kIsLiveOnly = true says that it drives a
-// device.
+// Check() const and CheckFiles() const; a constant kName; a constructor (const
+// Config&, Bus*); and if it wants one, Finish(). A constant kIsLiveOnly = true
+// says that it drives a device.
 template <typename P>
 [[nodiscard]] ProcessClass MakeProcessClass() {
   class Running final : public RunningProcess {
@@ -60,6 +62,11 @@ template <typename P>
     void Load(const std::string& path,
               const std::vector<std::string>& settings) override {
       LoadConfiguration(path, settings, &config_);
+    }
+    void CheckFiles() const override {
+      if constexpr (requires(const typename P::Config& c) { c.CheckFiles(); }) {
+        config_.CheckFiles();
+      }
     }
     void Describe(Describer& d) override { config_.Describe(d); }
     [[nodiscard]] std::unique_ptr<RunningProcess> Construct(

@@ -65,7 +65,8 @@ void AddFlags(CLI::App* app, Flags* flags) {
       ->needs(log_out);
   app->add_flag("--check-config",
                 flags->check_config,
-                "Load and check the configuration, then exit");
+                "Load and check the configuration and the files that it "
+                "names, then exit");
   app->add_flag("--print-config",
                 flags->print_config,
                 "Print all values as YAML, then exit");
@@ -173,7 +174,10 @@ int Run(const ProcessClass& process_class, const Flags& flags) {
     std::fputs(PrintConfiguration(describe).c_str(), stdout);
     return 0;
   }
-  if (flags.check_config) return 0;
+  if (flags.check_config) {
+    setup->CheckFiles();
+    return 0;
+  }
   return flags.log_in.empty() ? RunLive(process_class, setup.get(), flags)
                               : RunOffline(process_class, flags);
 }

@@ -1,6 +1,7 @@
 #include "processes/video/video_config.h"
 
-#include <algorithm>
+#include "processes/support/channels.h"
+
 #include <cstdint>
 #include <stdexcept>
 
@@ -63,11 +64,7 @@ void VideoConfig::Describe(Describer& d) {
 }
 
 void VideoConfig::Check() const {
-  const bool is_name =
-      !camera.empty() && std::all_of(camera.begin(), camera.end(), [](char c) {
-        return (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-      });
-  if (!is_name) {
+  if (!IsCameraName(camera)) {
     throw std::invalid_argument("camera = " + camera +
                                 " must consist of A-Z, 0-9 and _");
   }

@@ -52,10 +52,10 @@ SimulationOptions Everything() {
   SimulationOptions options;
   options.robot.slip_every = 0.5;
   options.ranges = RangeSensorOptions::SonarRing();
-  SimulatedCamera front{"front", {}, 1};
+  SimulatedCamera front{"front", {}, 1, {}};
   front.timing.jitter_s = 0.01;
   front.timing.drop_share = 0.2;
-  SimulatedCamera blurred{"blurred", {}, 3};
+  SimulatedCamera blurred{"blurred", {}, 3, {}};
   blurred.timing.rate_hz = 7.0;
   options.cameras = {front, blurred};
   options.start_time = kStart;
@@ -228,6 +228,28 @@ TEST(Simulation, ExposuresHaveThePosesOfTheirTimes) {
     }
   }
   EXPECT_GE(num_blurred, 7);
+}
+
+TEST(Simulation, EachCameraHasAHeadOfItsOwn) {
+  SimulationOptions options = Everything();
+  options.cameras[0].head.max_pan = 0.2;
+  options.cameras[1].head.max_rate = 0.5;
+  Simulation simulation(options, RoomOf(false), {});
+  simulation.CommandHead({1.0, 0.0});
+  int num_images[2] = {};
+  for (const SimulationEvent& event :
+       simulation.AdvanceTo(kStart + Duration(1'500'000))) {
+    const auto* camera = std::get_if<CameraEvent>(&event);
+    if (camera == nullptr) continue;
+    ++num_images[camera->camera];
+    const ExposurePose& pose = camera->poses.front();
+    const double age = Seconds(pose.time - kStart);
+    EXPECT_NEAR(pose.head.pan,
+                camera->camera == 0 ? std::min(0.2, 1.5 * age) : 0.5 * age,
+                1e-9);
+  }
+  EXPECT_GT(num_images[0], 5);
+  EXPECT_GT(num_images[1], 5);
 }
 
 TEST(Simulation, GoesOnFromWhereItWasAtRest) {

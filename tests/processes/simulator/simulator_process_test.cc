@@ -5,6 +5,7 @@
 #include "processes/convert/image_convert.h"
 #include "processes/support/channels.h"
 #include "processes/support/local_bus.h"
+#include "processes/support/process_class.h"
 #include "tests/support/temporary_directory.h"
 
 #include <waymark/base_status_t.hpp>
@@ -24,6 +25,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace waymark {
@@ -212,6 +214,75 @@ TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
   ASSERT_TRUE(camera.has_value()) << reason;
   EXPECT_EQ(camera->size.width, 64);
   EXPECT_TRUE(infos.back().is_pan_tilt);
+}
+
+TEST_F(SimulatorProcessTest, TwoCamerasEachWithItsOwnHead) {
+  config_.camera.name = "FRONT";
+  config_.camera.timing.rate_hz = 10.0;
+  config_.camera.has_head = true;
+  config_.second_camera = config_.camera;
+  config_.second_camera.name = "BACK_2";
+  config_.second_camera.timing.rate_hz = 5.0;
+  config_.second_camera.head.max_pan = 0.2;
+  LocalBus world(kStart);
+  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  pan_tilt_t look{};
+  look.utime = Microseconds(kStart);
+  look.pan = 0.5;
+  world.Publish(kPanTiltCommand, look);
+  look.utime = Microseconds(kStart + milliseconds(500));
+  world.Publish(kPanTiltCommand, look);
+  world.RunUntil(kStart + seconds(2));
+  for (const auto& [name, pan, num_images] :
+       {std::tuple("FRONT", 0.5, 17u), {"BACK_2", 0.2, 8u}}) {
+    const auto images = world.Messages<image_t>(std::string("IMAGE_") + name);
+    ASSERT_GE(images.size(), num_images) << name;
+    std::string reason;
+    const auto tags = TagsFromMessage(images.back(), &reason);
+    ASSERT_TRUE(tags && tags->head) << name << ": " << reason;
+    EXPECT_NEAR(tags->head->pan, pan, 1e-9) << name;
+    EXPECT_FALSE(
+        world.Messages<camera_info_t>(std::string("CAMERA_INFO_") + name)
+            .empty());
+  }
+}
+
+// How much neighbours differ along the rows, of all images while it turns.
+TEST_F(SimulatorProcessTest, ImagesOfATurningRobotAreBlurredWhereAskedFor) {
+  Write("box.yaml",
+        "rooms:\n"
+        "  - {name: room, rectangle: [0, 0, 6, 4], lamps: [1, 1]}\n"
+        "furniture: [{kind: box, at: [3, 2.4], size: [0.4, 0.4, 1.5]}]\n"
+        "starts: [[1, 2, 0]]\n");
+  config_.world = Path("box.yaml");
+  config_.camera.name = "FRONT";
+  config_.camera.is_raw = true;
+  config_.camera.timing.rate_hz = 5.0;
+  config_.camera.timing.exposure_s = 0.1;
+  config_.camera.sensor.full_well_electrons = 0.0;
+  config_.camera.sensor.read_noise = 0.0;
+  std::vector<double> sharpness;
+  for (const int samples : {1, 12}) {
+    config_.camera.blur_samples = samples;
+    LocalBus world(kStart);
+    SimulatorProcess process(config_, world.AddProcess("simulator"));
+    Drive(&world, kStart, kStart + seconds(1), 0.0, 1.5);
+    world.RunUntil(kStart + seconds(1));
+    double sum = 0.0;
+    for (const auto& message : world.Messages<image_t>("IMAGE_FRONT")) {
+      std::string reason;
+      const auto image = ImageFromMessage(message, ImageColor::kGray, &reason);
+      ASSERT_TRUE(image.has_value()) << reason;
+      // Steps count more than ramps of the same height.
+      sum += std::pow(
+          cv::norm(image->colRange(1, 64), image->colRange(0, 63), cv::NORM_L2),
+          2.0);
+    }
+    sharpness.push_back(sum);
+  }
+  // 1.5 rad/s for 0.1 s at 50 px are 7 px.
+  EXPECT_GT(sharpness[0], 0.0);
+  EXPECT_LT(sharpness[1], 0.5 * sharpness[0]);
 }
 
 TEST_F(SimulatorProcessTest, SameSeedSameBytes) {
@@ -425,6 +496,37 @@ TEST_F(SimulatorProcessTest, BadInputIsOneLine) {
   config.start = {1000.0, 2.0, 0.0};
   EXPECT_THAT(ErrorOf(config), HasSubstr("would be outside of all rooms"));
   EXPECT_EQ(ErrorOf(config_), "none");
+}
+
+TEST_F(SimulatorProcessTest, CheckOfAConfigurationFindsFilesAndNames) {
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    const auto process = MakeProcessClass<SimulatorProcess>();
+    const auto setup = process.make_setup();
+    std::vector<std::string> settings = {"world=" + config_.world,
+                                         "camera.file=" + Path("camera.yaml")};
+    settings.insert(settings.end(), more.begin(), more.end());
+    try {
+      setup->Load("", settings);
+      setup->CheckFiles();
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(refusal({}), "none");
+  EXPECT_THAT(refusal({"world=nosuch"}), HasSubstr("'nosuch' is neither"));
+  EXPECT_THAT(refusal({"camera.file=nosuch"}),
+              HasSubstr("'nosuch' is neither"));
+  EXPECT_EQ(refusal({"camera.name=", "camera.file=nosuch"}), "none");
+  EXPECT_THAT(refusal({"second_camera.name=B", "second_camera.file=nosuch"}),
+              HasSubstr("'nosuch' is neither"));
+  for (const char* name : {"bad/name", "foo bar", "front"}) {
+    EXPECT_THAT(refusal({std::string("camera.name=") + name}),
+                HasSubstr(std::string("camera.name = ") + name +
+                          " must consist of A-Z, 0-9 and _"));
+  }
+  EXPECT_THAT(refusal({"start=[1e300, 0, 0]"}),
+              HasSubstr("start: its numbers"));
 }
 
 TEST_F(SimulatorProcessTest, BadCommandsAreCountedAndNotObeyed) {
