@@ -63,6 +63,26 @@ void CollisionGuardProcess::NoteTime(Time t) {
   arrived_ = bus_->now();
 }
 
+void CollisionGuardProcess::NoteRobotTime(Time t) {
+  if (robot_time_ && IsLate(t, *robot_time_)) return;
+  robot_time_ = t;
+  robot_arrived_ = bus_->now();
+  NoteTime(t);
+}
+
+// A host whose clock is wrong must not move the time back: that would be
+// another run, in which nothing is known of commands in force and of bumpers.
+void CollisionGuardProcess::NoteOtherTime(Time t, const std::string& source) {
+  if (!robot_time_) return NoteTime(t);
+  const Time now = bus_->now();
+  const Time expected = *robot_time_ + (now - robot_arrived_);
+  if (t <= expected + kRestart && expected <= t + kRestart) return NoteTime(t);
+  NoteTime(std::max(newest_, expected));
+  clock_fault_ = "clock of " + source +
+                 Text(" is off the robot's by %.1f s", Seconds(t - expected));
+  clock_fault_time_ = now;
+}
+
 void CollisionGuardProcess::OnRequest(const velocity_t& message, Time t) {
   std::string reason;
   Velocity velocity;
@@ -87,7 +107,7 @@ void CollisionGuardProcess::OnRequest(const velocity_t& message, Time t) {
   request_times_[message.source] = t;
   request_time_ = t;
   request_arrived_ = bus_->now();
-  NoteTime(t);
+  NoteOtherTime(t, message.source);
   choice_.Set({t, bus_->now(), message.source, velocity, why});
   if (const auto chosen = choice_.Choose(bus_->now())) Publish(t, *chosen);
 }
@@ -134,7 +154,7 @@ void CollisionGuardProcess::OnRanges(const planar_lidar_t& message) {
   }
   ranges_time_ = scan->time;
   ranges_arrived_ = bus_->now();
-  NoteTime(scan->time);
+  NoteRobotTime(scan->time);
   guard_.SetRanges(*scan);
 }
 
@@ -144,7 +164,11 @@ void CollisionGuardProcess::OnBase(const base_status_t& message, Time t) {
     bus_->ReportBad(kBase, Bad::kContent, reason);
     return;
   }
-  NoteTime(t);
+  if (ranges_time_) {
+    NoteOtherTime(t, std::string(kBase));
+  } else {
+    NoteRobotTime(t);
+  }
   if (message.is_bumper_left != 0 || message.is_bumper_right != 0) {
     guard_.SetContact(newest_);
   }
@@ -191,6 +215,8 @@ void CollisionGuardProcess::ShowFault(Time now) {
     }
   }
   add(latch_.fault());
+  if (now - clock_fault_time_ > kRestart) clock_fault_.clear();
+  add(clock_fault_);
   bus_->SetFault(fault);
 }
 

@@ -40,8 +40,11 @@ class CollisionGuardProcess {
   void OnTimer(Time now);
   void ShowFault(Time now);
 
-  // The newest time stamp of all inputs.
+  // The newest time stamp of all inputs that go by the robot's clock: that of
+  // RANGES, or of BASE where there are none, or else the requests' own.
   void NoteTime(Time t);
+  void NoteRobotTime(Time t);
+  void NoteOtherTime(Time t, const std::string& source);
   void Publish(Time utime, const MotionRequest& request);
   void Send(Time utime,
             const std::string& source,
@@ -56,6 +59,10 @@ class CollisionGuardProcess {
 
   Time newest_;   // By the inputs' time stamps,
   Time arrived_;  // and when it came, on the bus's clock.
+  std::optional<Time> robot_time_;
+  Time robot_arrived_;
+  std::string clock_fault_;
+  Time clock_fault_time_;  // On the bus's clock.
   std::optional<Time> ranges_time_;
   Time ranges_arrived_;
   std::map<std::string, Time> request_times_;  // The last of each source.

@@ -278,6 +278,37 @@ TEST_F(CollisionGuardProcessTest, BadMessagesAreCountedAndMoveNothing) {
   EXPECT_EQ(Last().forward, 0.0) << "no letting go without a time";
 }
 
+// Of two that ask, one has a clock that is wrong by seconds, either way.
+TEST_F(CollisionGuardProcessTest, ForgetsNothingForAClockThatIsOff) {
+  Start();
+  for (const double off : {-7.0, 7.0}) {
+    const double begin = off < 0 ? 0.0 : 3.0;
+    base_status_t bumped;
+    bumped.utime = Utime(begin + 0.25);
+    bumped.is_bumper_left = 1;
+    world_.Publish(kBase, bumped);
+    for (int i = 0; i < 40; ++i) {
+      const double t = begin + 0.05 * i;
+      world_.Publish(kRanges, Ranges(t, 4.0));
+      world_.Publish(kMotionRequest, Request(t, 0.3));
+      // Comes now, with a time stamp of its own.
+      world_.PublishAt(
+          At(t + 0.01), kMotionRequest, Request(t + off, 0.2, 0.0, "laptop"));
+      world_.RunUntil(At(t + 0.02));
+      if (i == 4) {
+        EXPECT_GT(Last().forward, 0.0);
+      }
+      if (i > 5 && i < 24) {
+        EXPECT_LE(Last().forward, 0.0) << off << " " << i;
+      }
+      if (i == 20) {
+        EXPECT_THAT(Fault(), HasSubstr("clock of laptop is off"));
+      }
+    }
+    EXPECT_GT(Last().forward, 0.0) << "the bumper's hold has passed";
+  }
+}
+
 TEST_F(CollisionGuardProcessTest, AnotherRunMayStartEarlier) {
   Start();
   world_.Publish(kRanges, Ranges(100.0, 4.0));
