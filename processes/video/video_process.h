@@ -41,8 +41,8 @@ class VideoProcess {
   std::string info_channel_;
   std::optional<CameraDescription> camera_;
   ImageEncoder encoder_;
-  std::string image_fault_;
-  std::string last_refusal_;  // Of an image; said once.  // Of the newest image.
+  std::string image_fault_;   // Of the newest image.
+  std::string last_refusal_;  // Said once.
   bool fits_ = true;
   bool has_told_end_ = false;
   std::int64_t image_seq_ = 0;
