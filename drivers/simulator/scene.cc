@@ -1,5 +1,7 @@
 #include "drivers/simulator/scene.h"
 
+#include "estimation/base/fingerprint.h"
+
 #include <stdexcept>
 
 namespace waymark {
@@ -100,6 +102,49 @@ void CheckScene(const Scene& scene) {
       Refuse("mover " + mover.name, "radius and height must be positive");
     }
   }
+}
+
+std::uint64_t FingerprintOf(const Scene& scene) {
+  Fingerprint print;
+  const auto add_vector = [&](const auto& v) {
+    for (const auto& component : v) print.Add(component);
+  };
+  const auto add_mesh = [&](const SceneMesh& mesh) {
+    print.Add(mesh.triangles.size());
+    for (const auto& p : mesh.positions) add_vector(p);
+    for (const auto& uv : mesh.uvs) add_vector(uv);
+    for (const SceneTriangle& triangle : mesh.triangles) {
+      add_vector(triangle.vertices);
+      print.Add(triangle.material);
+      print.Add(triangle.surface);
+    }
+  };
+  add_mesh(scene.mesh);
+  for (const SceneMaterial& material : scene.materials) {
+    const cv::Mat3b& texture = material.texture;
+    print.Add(texture.rows);
+    for (int y = 0; y < texture.rows; ++y) {
+      print.Add(std::span<const std::uint8_t>(
+          texture.ptr<std::uint8_t>(y),
+          3 * static_cast<std::size_t>(texture.cols)));
+    }
+    print.Add(material.is_emissive);
+  }
+  for (const SceneSurface& surface : scene.surfaces) {
+    print.Add(static_cast<int>(surface.kind));
+  }
+  for (const SceneLamp& lamp : scene.lamps) {
+    add_vector(lamp.p_W);
+    add_vector(lamp.size);
+    add_vector(lamp.radiance);
+  }
+  add_vector(scene.ambient);
+  for (const SceneMover& mover : scene.movers) {
+    add_mesh(mover.mesh);
+    print.Add(mover.radius);
+    print.Add(mover.height);
+  }
+  return print.value();
 }
 
 }  // namespace waymark

@@ -93,4 +93,7 @@ struct Scene {
 // empty texture.
 void CheckScene(const Scene& scene);
 
+// Changes with everything that is in it, names apart.
+[[nodiscard]] std::uint64_t FingerprintOf(const Scene& scene);
+
 }  // namespace waymark

@@ -35,13 +35,17 @@ struct DriveExperimentConfig {
   void Check() const;
 };
 
-// Success: path_follower says that it is done, and the robot stands within
-// goal_radius_m of the last goal.
+// Success: path_follower says that it is done, and the robot, truly, has been
+// within goal_radius_m of every goal, in order, and stands so near to the last.
+// The shortest way goes no nearer to the goals than that.
 class DriveExperiment final : public Experiment {
  public:
   [[nodiscard]] std::string_view name() const override { return "drive"; }
   void Describe(Describer& d) override { config_.Describe(d); }
   void Prepare() override;
+  [[nodiscard]] std::string Subject() const override {
+    return tasks_->subject();
+  }
   [[nodiscard]] RunResult Run(std::uint64_t seed,
                               const std::string& log_path) const override;
 

@@ -69,10 +69,20 @@ DriveTaskMaker::DriveTaskMaker(const ObstacleMap& map,
 
 DriveTask DriveTaskMaker::Make(std::uint64_t seed) const {
   Random random(SeedFor(seed, "drive_task"));
-  const auto pick = [&] { return places_[random.Index(places_.size())]; };
+  // From a corner of a small room there may be no way of that length.
+  constexpr int kMaxStarts = 20;
+  for (int i = 0; i < kMaxStarts; ++i) {
+    if (auto task = MakeOne(&random)) return *std::move(task);
+  }
+  throw std::invalid_argument(
+      "found no goals between task.min_way_m and task.max_way_m");
+}
+
+std::optional<DriveTask> DriveTaskMaker::MakeOne(Random* random) const {
+  const auto pick = [&] { return places_[random->Index(places_.size())]; };
   DriveTask task;
   Eigen::Vector2d from = pick();
-  task.X_WR = {from.x(), from.y(), random.Uniform(-kPi, kPi)};
+  task.X_WR = {from.x(), from.y(), random->Uniform(-kPi, kPi)};
   constexpr int kMaxDraws = 100;
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     const Eigen::Vector2d goal = pick();
@@ -95,8 +105,7 @@ DriveTask DriveTaskMaker::Make(std::uint64_t seed) const {
     from = goal;
     if (static_cast<int>(task.goals.size()) == options_.num_goals) return task;
   }
-  throw std::invalid_argument(
-      "found no goals between task.min_way_m and task.max_way_m");
+  return std::nullopt;
 }
 
 }  // namespace waymark

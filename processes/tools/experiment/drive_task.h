@@ -3,11 +3,13 @@
 
 #include "drivers/simulator/geodesic.h"
 #include "drivers/simulator/obstacle_map.h"
+#include "estimation/base/random.h"
 #include "estimation/geometry/pose2.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace waymark {
@@ -37,10 +39,12 @@ class DriveTaskMaker {
                  const Eigen::Vector2d& p_W);
 
   // Same seed, same task. Throws std::invalid_argument where a hundred draws
-  // find no goal whose way has the length asked for.
+  // each from some starts find no goal whose way has the length asked for.
   [[nodiscard]] DriveTask Make(std::uint64_t seed) const;
 
  private:
+  [[nodiscard]] std::optional<DriveTask> MakeOne(Random* random) const;
+
   DriveTaskOptions options_;
   Geodesic shortest_;
   Geodesic clear_;

@@ -38,6 +38,9 @@ class Experiment {
   // Loads what all runs share. Throws InputError where the set-up does not
   // work, std::invalid_argument naming a key. Called once, after Describe().
   virtual void Prepare() = 0;
+  // After Prepare(): what runs depend on beside the configuration, as text;
+  // results of another one are not mixed with these.
+  [[nodiscard]] virtual std::string Subject() const = 0;
   // Simulates one run to its end, and writes every message of it to `log_path`
   // (replaced where it is there) unless that is empty. Does not depend on runs
   // before it.

@@ -102,8 +102,10 @@ void RunExperiment(const ExperimentClass& experiment_class,
             options.seeds.end(),
             static_cast<std::uint64_t>(request.first_seed));
   options.num_jobs = request.num_jobs;
-  ResultsFile file(
-      request.out + "/runs.jsonl", experiment_class.name, configuration);
+  ResultsFile file(request.out + "/runs.jsonl",
+                   experiment_class.name,
+                   configuration + experiment->Subject() + ", Waymark " +
+                       WAYMARK_VERSION + "\n");
   const SweepReport sweep = RunSweep(*experiment, options, &file);
   const SweepSummary summary = SummariseRuns(sweep.results);
   const std::string json =

@@ -3,9 +3,14 @@
 #include "drivers/simulator/build_scene.h"
 #include "drivers/simulator/mesh_outline.h"
 #include "drivers/simulator/people.h"
+#include "estimation/base/fingerprint.h"
 #include "estimation/geometry/angle.h"
 #include "processes/convert/world_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -33,6 +38,33 @@ std::vector<Segment2> SegmentsOf(const World& world, double height) {
   return segments;
 }
 
+// Walls and furniture, what they look like where there is a camera, and people.
+std::string SubjectOf(const SimulatorConfig& config, const World& world) {
+  const bool has_camera =
+      !config.camera.name.empty() || !config.second_camera.name.empty();
+  Fingerprint print;
+  print.Add(FingerprintOf(
+      BuildScene(world, has_camera ? SceneLooks::kDrawn : SceneLooks::kPlain)));
+  for (const WorldPerson& person : world.people) {
+    print.Add(static_cast<int>(person.motion));
+    print.Add(person.is_closed);
+    for (const double value : {person.at.x(),
+                               person.at.y(),
+                               person.heading,
+                               person.speed,
+                               person.start,
+                               person.bearing,
+                               person.clearance}) {
+      print.Add(value);
+    }
+    for (const Eigen::Vector2d& p : person.path) {
+      print.Add(p.x());
+      print.Add(p.y());
+    }
+  }
+  return fmt::format("world {} {:016x}", config.world, print.value());
+}
+
 // Free; its usual one.
 Eigen::Vector2d StartOf(const SimulatorConfig& config, const World& world) {
   if (!config.start.empty()) return {config.start[0], config.start[1]};
@@ -55,9 +87,13 @@ ExperimentTasks::World::World(const SimulatorConfig& config,
 ExperimentTasks::ExperimentTasks(const SimulatorConfig& config,
                                  const DriveTaskOptions& options)
     : config_(config), options_(options) {
-  if (config.world != kWorldPerSeed) {
-    world_ = std::make_unique<World>(config, options);
+  if (config.world == kWorldPerSeed) {
+    subject_ = "random worlds";
+    return;
   }
+  const waymark::World world = LoadWorldFile(FindWorldFile(config.world));
+  world_ = std::make_unique<World>(config, options, world);
+  subject_ = SubjectOf(config, world);
 }
 
 DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
@@ -70,6 +106,31 @@ DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
 ObstacleMap WallsOf(const SimulatorConfig& config) {
   return ObstacleMap(WallsIn(LoadWorldFile(FindWorldFile(config.world)),
                              config.robot.height));
+}
+
+void CheckForRuns(const SimulatorConfig& config) {
+  config.Check();
+  CheckHasNoFile("simulator.state_file", config.state_file);
+  if (config.pace != Pace::kRealTime || config.speed != 1.0) {
+    throw std::invalid_argument(
+        "simulator.time: must be pace real_time and speed 1: runs are in "
+        "simulated time, as fast as the machine goes");
+  }
+}
+
+void CheckHasNoFile(const std::string& key, const std::string& path) {
+  if (path.empty()) return;
+  throw std::invalid_argument(key + " = " + path +
+                              ": must be empty: runs know nothing of each "
+                              "other");
+}
+
+// A goal that is passed saves the radius before and behind it, the last one
+// once.
+double ShortestPast(const DriveTask& task, double radius) {
+  const double saved =
+      (2.0 * static_cast<double>(task.goals.size()) - 1.0) * radius;
+  return std::max(0.0, task.shortest_m - saved);
 }
 
 SimulatorConfig SimulatorWithoutVision() {

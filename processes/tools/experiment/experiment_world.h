@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace waymark {
@@ -28,6 +29,9 @@ class ExperimentTasks {
   // As DriveTaskMaker::Make().
   [[nodiscard]] DriveTask Make(std::uint64_t seed) const;
 
+  // The world's name and, of one file, a number that changes with its content.
+  [[nodiscard]] const std::string& subject() const { return subject_; }
+
  private:
   struct World {
     World(const SimulatorConfig& config, const DriveTaskOptions& options);
@@ -41,12 +45,22 @@ class ExperimentTasks {
 
   SimulatorConfig config_;
   DriveTaskOptions options_;
+  std::string subject_;
   std::unique_ptr<World> world_;  // Null where each run has its own.
 };
 
 // Walls and furniture of the configuration's world. Throws as LoadWorldFile()
 // and BuildScene() do.
 [[nodiscard]] ObstacleMap WallsOf(const SimulatorConfig& config);
+
+// As config.Check(), and that a run depends on nothing but its seed, in
+// simulated time: no state file, no other pace.
+void CheckForRuns(const SimulatorConfig& config);
+// Of the other processes' files. Throws std::invalid_argument naming the key.
+void CheckHasNoFile(const std::string& key, const std::string& path);
+
+// At least so far drives who comes within `radius` of all goals, m.
+[[nodiscard]] double ShortestPast(const DriveTask& task, double radius);
 
 // Changes that every experiment makes: no cameras, a lidar, no state file.
 [[nodiscard]] SimulatorConfig SimulatorWithoutVision();

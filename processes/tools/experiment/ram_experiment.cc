@@ -33,7 +33,8 @@ void RamExperimentConfig::Describe(Describer& d) {
 }
 
 void RamExperimentConfig::Check() const {
-  simulator.Check();
+  CheckForRuns(simulator);
+  CheckHasNoFile("collision_guard.stop_file", collision_guard.stop_file);
   collision_guard.Check();
 }
 

@@ -32,6 +32,9 @@ class RamExperiment final : public Experiment {
   [[nodiscard]] std::string_view name() const override { return "ram"; }
   void Describe(Describer& d) override { config_.Describe(d); }
   void Prepare() override;
+  [[nodiscard]] std::string Subject() const override {
+    return tasks_->subject();
+  }
   [[nodiscard]] RunResult Run(std::uint64_t seed,
                               const std::string& log_path) const override;
 

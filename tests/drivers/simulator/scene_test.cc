@@ -70,5 +70,33 @@ TEST(CheckScene, NamesTheFirstThingOutOfOrder) {
   EXPECT_THAT(ErrorOf(scene), HasSubstr("mover person: radius"));
 }
 
+TEST(FingerprintOf, ChangesWithEverythingButNames) {
+  Scene scene = OneTriangle();
+  scene.materials[0].texture = cv::Vec3b(1, 2, 3);
+  scene.movers.push_back({"person", scene.mesh, 0.3, 1.8});
+  scene.movers[0].name = "other";
+  const std::uint64_t before = FingerprintOf(scene);
+  scene.movers[0].name = "person";
+  scene.surfaces[0].name = "north";
+  EXPECT_EQ(FingerprintOf(scene), before);
+  const auto changed = [&](const auto& change) {
+    Scene other = scene;
+    other.materials[0].texture = scene.materials[0].texture.clone();
+    change(&other);
+    return FingerprintOf(other) != before;
+  };
+  EXPECT_TRUE(changed([](Scene* s) { s->mesh.positions[1].z() = 1e-6f; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->mesh.uvs[2].x() = 0.5f; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->mesh.triangles[0].vertices[2] = 0; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->materials[0].texture(0, 0)[2] = 4; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->materials[0].is_emissive = true; }));
+  EXPECT_TRUE(
+      changed([](Scene* s) { s->surfaces[0].kind = SurfaceKind::kFloor; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->lamps[0].radiance[0] = 2.0; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->ambient[1] = 0.0; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->movers[0].height = 1.7; }));
+  EXPECT_TRUE(changed([](Scene* s) { s->movers.clear(); }));
+}
+
 }  // namespace
 }  // namespace waymark

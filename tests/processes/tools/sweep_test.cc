@@ -29,6 +29,7 @@ class DiceExperiment final : public Experiment {
     d.Number("luck", &luck, {0.0, 1.0}, "Share of success");
   }
   void Prepare() override {}
+  [[nodiscard]] std::string Subject() const override { return "dice"; }
   [[nodiscard]] RunResult Run(std::uint64_t seed,
                               const std::string& /*log*/) const override {
     if (seed == 13) throw std::runtime_error("no luck");
@@ -143,6 +144,7 @@ TEST_F(SweepTest, ASignalStopsItAndKeepsWhatIsDone) {
     [[nodiscard]] std::string_view name() const override { return "dice"; }
     void Describe(Describer& /*d*/) override {}
     void Prepare() override {}
+    [[nodiscard]] std::string Subject() const override { return "dice"; }
     [[nodiscard]] RunResult Run(std::uint64_t seed,
                                 const std::string& /*log*/) const override {
       if (seed == 3) {
