@@ -1,6 +1,7 @@
 #include "drivers/simulator/renderer.h"
 
 #include "drivers/simulator/parallel_rows.h"
+#include "drivers/simulator/sample_pattern.h"
 
 #include <algorithm>
 #include <array>
@@ -15,39 +16,6 @@ namespace {
 
 constexpr int kLanes = RayPacket::kLanes;
 static_assert(kLanes == CameraRays::kLanes);
-
-// Places of samples, from the centre of their pixel.
-template <std::size_t kNum>
-struct Pattern {
-  static constexpr std::size_t kGroups = kNum / 4;
-  std::array<float, kNum> x{};
-  std::array<float, kNum> y{};
-  // Each stands for a part of the pixel: the root of its area.
-  float footprint_scale = 1.0f;
-};
-
-// A grid turned so that edges near the horizontal and the vertical, which
-// rooms are full of, cross its four samples one by one.
-constexpr Pattern<4> kLivePattern = {{-0.125f, 0.375f, -0.375f, 0.125f},
-                                     {-0.375f, -0.125f, 0.125f, 0.375f},
-                                     0.5f};
-
-// One in each of 16 columns and 16 rows, the same both ways from the centre.
-// Of such patterns, found by search, the one whose worst direction of an edge
-// is the best: the share of a pixel on one side of it is off by 0.042 (root
-// mean square over where the edge lies). A grid of 4 x 4 has 0.072 for upright
-// and level edges, which rooms are full of.
-constexpr Pattern<16> kStillPattern = [] {
-  constexpr std::array<int, 16> kRows{
-      13, 4, 9, 0, 5, 14, 8, 3, 12, 7, 1, 10, 15, 6, 11, 2};
-  Pattern<16> pattern;
-  for (std::size_t i = 0; i < kRows.size(); ++i) {
-    pattern.x[i] = (static_cast<float>(i) + 0.5f) / 16.0f - 0.5f;
-    pattern.y[i] = (static_cast<float>(kRows[i]) + 0.5f) / 16.0f - 0.5f;
-  }
-  pattern.footprint_scale = 0.25f;
-  return pattern;
-}();
 
 // One call of Render: shared by its threads.
 class Frame {
@@ -119,7 +87,7 @@ class Frame {
 
   // Mean of the samples of each pixel of a row that has a ray.
   template <std::size_t kNum>
-  void SupersampleRow(int y, const Pattern<kNum>& pattern) const {
+  void SupersampleRow(int y, const SamplePattern<kNum>& pattern) const {
     static_assert(kNum % kLanes == 0);
     TrianglesInView triangles(view_);
     for (int x = 0; x < width_; ++x) {
@@ -141,7 +109,7 @@ class Frame {
   }
 
   // The same of those pixels of a row at an edge; two at a time.
-  void SupersampleEdges(int y, const Pattern<4>& pattern) const {
+  void SupersampleEdges(int y, const SamplePattern<4>& pattern) const {
     TrianglesInView triangles(view_);
     Samples samples;
     int first = -1;  // Pixel that waits for a second one.
@@ -329,7 +297,7 @@ class Frame {
   template <std::size_t kNum>
   void SetSamples(int x,
                   int y,
-                  const Pattern<kNum>& pattern,
+                  const SamplePattern<kNum>& pattern,
                   std::size_t group,
                   int half,
                   Samples* samples) const {
