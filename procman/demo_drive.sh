@@ -112,7 +112,25 @@ session_end "$folder" || status=1
 
 # ---- show ------------------------------------------------------------------
 
+# What the camera made of its rate beside all the others: by the recording, and
+# what the simulator left out because it would have been late.
+camera_line() {
+  local asked left_out
+  asked=$("$bin/simulator" --print-config |
+    awk '/^camera:/ {inside = 1} inside && $1 == "rate_hz:" {print $2; exit}')
+  left_out=$(sed -n 's/.* IMAGE_FRONT: .* images sent, \([0-9]*\) left out.*/\1/p' \
+    "$folder/simulator.txt" | tail -n 1)
+  # Counted from the end: the type may be of several words.
+  "$bin/waymark-log" info "$log" | awk -v asked="$asked" -v out="$left_out" '
+    $1 == "IMAGE_FRONT" {
+      printf "camera:  %s Hz of %s asked for, %d images, %s left out, ",
+        $(NF - 8), asked, $(NF - 9), out == "" ? "unknown" : out
+      printf "longest gap %s s\n", $(NF - 6)
+    }'
+}
+
 say ""
+camera_line
 "$bin/waymark-log" report "$log" --out "$out/drive.html" --force
 "$bin/waymark-world" plan "$world" --log "$log" --out "$out/drive.png" --force
 say ""

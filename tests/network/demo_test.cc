@@ -7,6 +7,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,10 +27,11 @@ class DemoTest : public NetworkTest {
   }
   ~DemoTest() override { std::filesystem::remove_all(folder_); }
 
-  ChildResult RunDemo(const std::vector<std::string>& arguments) const {
+  ChildResult RunDemo(const std::vector<std::string>& arguments,
+                      const std::string& script = "logs/demo.sh") const {
     const char* source = std::getenv("WAYMARK_SOURCE");
     std::vector<std::string> all{std::string(source == nullptr ? "." : source) +
-                                 "/logs/demo.sh"};
+                                 "/" + script};
     all.insert(all.end(), arguments.begin(), arguments.end());
     all.insert(all.end(), {"--out", (folder_ / "out").string()});
     return RunChild(all);
@@ -54,6 +57,52 @@ TEST_F(DemoTest, PlaysASampleAndWritesTheReport) {
   EXPECT_THAT(evaluated.out, HasSubstr("online (POSE_SETTLED)"));
   EXPECT_THAT(evaluated.out, testing::ContainsRegex("batch  +[0-9.]+ ±"));
   EXPECT_THAT(evaluated.out, HasSubstr("latency of POSE:"));
+}
+
+// A robot in a room of the test's own, 1.5 m there and back.
+TEST_F(DemoTest, DrivesASimulatedRobotAndWritesReportPlanAndRecording) {
+  std::filesystem::create_directories(folder_);
+  const std::string world = (folder_ / "room.yaml").string();
+  std::ofstream(world)
+      << "rooms:\n"
+         "  - {name: room, rectangle: [0, 0, 6, 4], lamps: [1, 1]}\n"
+         "starts: [[1, 2, 0]]\n"
+         "routes:\n"
+         "  short: [[1, 2], [2.5, 2]]\n";
+  const std::string camera = (folder_ / "camera.yaml").string();
+  std::ofstream(camera) << "{model: perspective, width: 160, height: 120, "
+                           "fx: 120, fy: 120, cx: 79.5, cy: 59.5, "
+                           "mounting: {x: 0.1, z: 0.5}}\n";
+  const ChildResult demo =
+      RunDemo({"--world", world, "--route", "short", "--camera", camera},
+              "procman/demo_drive.sh");
+  ASSERT_EQ(demo.exit_code, 0) << demo.err << demo.out;
+  // The rate as it was recorded, and what was left out.
+  EXPECT_THAT(demo.out,
+              testing::ContainsRegex("camera:  [0-9.]+ Hz of 15 asked for, "
+                                     "[0-9]+ images, [0-9]+ left out"));
+  const std::filesystem::path out = folder_ / "out";
+  for (const char* file : {"drive.html", "drive.png", "drive.lcm"}) {
+    ASSERT_TRUE(std::filesystem::exists(out / file)) << file;
+    EXPECT_GT(std::filesystem::file_size(out / file), 1000u) << file;
+  }
+  std::ostringstream report;
+  report << std::ifstream(out / "drive.html").rdbuf();
+  EXPECT_THAT(report.str(), HasSubstr("IMAGE_FRONT"));
+  const ChildResult info = RunChild(
+      {BuildPath("bin/waymark-log"), "info", (out / "drive.lcm").string()});
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_THAT(info.out, HasSubstr("no damage"));
+  for (const char* channel : {"TRUTH", "POSE", "RANGES", "TASK_STATUS"}) {
+    EXPECT_THAT(info.out, HasSubstr(channel));
+  }
+}
+
+TEST_F(DemoTest, RefusesARouteThatIsNotThere) {
+  const ChildResult demo = RunDemo(
+      {"--world", "office_u", "--route", "nowhere"}, "procman/demo_drive.sh");
+  EXPECT_EQ(demo.exit_code, 2);
+  EXPECT_THAT(demo.err, HasSubstr("has no route nowhere"));
 }
 
 TEST_F(DemoTest, RefusesWhatItCannotPlay) {
