@@ -4,7 +4,8 @@ usage: run_benches.py FOLDER [ID|AREA...] [--full] [--json FILE]
 
 Each executable <area>_bench takes [ID...] [--full] [--json FILE], prints its
 own table and writes a list of rows; --list prints its IDs. An AREA runs all
-rows of one executable, an ID (as in Y23) the rows of that id wherever they are.
+rows of one executable, and of those whose names begin with it and a _; an ID
+(as in Y23) the rows of that id wherever they are.
 """
 
 import argparse
@@ -26,6 +27,11 @@ def ids_of(program):
         [str(program), "--list"], capture_output=True, text=True, check=True
     ).stdout
     return dict(line.split("\t", 1) for line in listed.splitlines())
+
+
+def is_of(area, wanted):
+    """Whether `wanted` asks for an area: simulator for simulator_drives."""
+    return area == wanted or area.startswith(wanted + "_")
 
 
 def rows_of(program, ids, full, path):
@@ -54,7 +60,8 @@ def main():
         refuse(f"no benchmark in {arguments.folder}")
     known = {area: ids_of(program) for area, program in programs.items()}
     for wanted in arguments.ids:
-        if wanted not in known and not any(wanted in k for k in known.values()):
+        is_known = any(is_of(area, wanted) for area in known)
+        if not is_known and not any(wanted in k for k in known.values()):
             everything = [
                 f"{area} ({', '.join(ids)})" for area, ids in known.items()
             ]
@@ -66,7 +73,8 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         for area, program in programs.items():
             ids = [i for i in arguments.ids if i in known[area]]
-            if area in arguments.ids or not arguments.ids:
+            is_whole = any(is_of(area, wanted) for wanted in arguments.ids)
+            if is_whole or not arguments.ids:
                 ids = []
             elif not ids:
                 continue
