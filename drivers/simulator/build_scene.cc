@@ -10,6 +10,9 @@
 #include "estimation/base/input_error.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +30,38 @@ constexpr double kAmbient = 0.25;
 // What is built of floor plans; people of theirs are guided around it.
 constexpr int kRoundPillarSides = 32;
 
+// The light of as much takes a core a minute or two; a slip in a size or a grid
+// of lamps would take hours.
+constexpr double kMaxFloor = 20000.0;  // m^2.
+constexpr std::int64_t kMaxLamps = 2000;
+
+double AreaOf(const std::vector<Eigen::Vector2d>& outline) {
+  double doubled = 0.0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& p = outline[i];
+    const Eigen::Vector2d& q = outline[(i + 1) % outline.size()];
+    doubled += p.x() * q.y() - p.y() * q.x();
+  }
+  return 0.5 * std::abs(doubled);
+}
+
+void CheckSize(const World& world) {
+  double floor = 0.0;
+  auto num_lamps = static_cast<std::int64_t>(world.lamps.size());
+  for (const WorldRoom& room : world.rooms) {
+    floor += AreaOf(room.outline);
+    num_lamps += std::int64_t{room.lamps[0]} * room.lamps[1];
+    if (floor > kMaxFloor) {
+      throw InputError(room.where +
+                       ": more than 20000 m^2 of floor with this room");
+    }
+    if (num_lamps > kMaxLamps) {
+      throw InputError(room.where + ": more than " + std::to_string(kMaxLamps) +
+                       " lamps with this room's");
+    }
+  }
+}
+
 class SceneBuilder {
  public:
   SceneBuilder(const World& world, SceneLooks looks)
@@ -36,6 +71,7 @@ class SceneBuilder {
         finishes_(world, looks == SceneLooks::kPlain, &scene_) {}
 
   Scene Run() {
+    CheckSize(world_);
     scene_.ambient = Eigen::Vector3d::Constant(kAmbient * world_.ambient);
     BuildRooms(world_, layout_, &finishes_, &scene_);
     for (const WorldFloorPlan& plan : world_.floor_plans) AddFloorPlan(plan);

@@ -378,5 +378,25 @@ TEST(BuildScene, PlainLooksAreTheSameMesh) {
   }
 }
 
+// Their light would take hours.
+TEST(BuildScene, RefusesWorldsFarLargerThanBuildings) {
+  const auto error_of = [](const World& world) -> std::string {
+    try {
+      (void)BuildScene(world);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  World world;
+  world.rooms = {RectangleRoom("plain", -100, -100, 100, 100.1, 3.0)};
+  world.rooms[0].where = "w.yaml:1: rooms[0]";
+  EXPECT_EQ(error_of(world),
+            "w.yaml:1: rooms[0]: more than 20000 m^2 of floor with this room");
+  world.rooms = {RectangleRoom("hall", 0, 0, 30, 30, 3.0)};
+  world.rooms[0].lamps = {50, 41};
+  EXPECT_THAT(error_of(world), testing::HasSubstr("more than 2000 lamps"));
+}
+
 }  // namespace
 }  // namespace waymark
