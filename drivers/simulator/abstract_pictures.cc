@@ -17,8 +17,12 @@ struct PointGrid {
   int rows = 0;
   std::vector<Eigen::Vector2f> points;
 
+  [[nodiscard]] std::size_t Index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  }
   [[nodiscard]] const Eigen::Vector2f& At(int column, int row) const {
-    return points[static_cast<std::size_t>(row * columns + column)];
+    return points[Index(column, row)];
   }
 };
 
@@ -173,7 +177,7 @@ void PaintMosaic(Random* random, Canvas canvas) {
                   side * Between(random, 0.08f, 0.15f),
                   side * Between(random, 0.004f, 0.016f),
                   random,
-                  canvas);
+                  std::move(canvas));
 }
 
 void PaintTriangles(Random* random, Canvas canvas) {
@@ -227,7 +231,7 @@ void PaintGlass(Random* random, Canvas canvas) {
           if (distance < best) {
             second = best;
             best = distance;
-            nearest = static_cast<std::size_t>(r * grid.columns + c);
+            nearest = grid.Index(c, r);
           } else if (distance < second) {
             second = distance;
           }

@@ -233,9 +233,14 @@ class GltfCleaner {
       document_.Refuse(where + ": " + key + " is not an array");
     for (const Json& index : *found) {
       if (!index.is_number_unsigned() || index.get<std::uint64_t>() >= count) {
-        document_.Refuse(where + ": " + key + " has " +
-                         index.dump(-1, ' ', true) + ", but there are " +
-                         std::to_string(count) + " nodes");
+        document_.Refuse(std::string(where)
+                             .append(": ")
+                             .append(key)
+                             .append(" has ")
+                             .append(index.dump(-1, ' ', true))
+                             .append(", but there are ")
+                             .append(std::to_string(count))
+                             .append(" nodes"));
       }
       indices.push_back(index.get<std::int64_t>());
     }

@@ -25,6 +25,11 @@ float Largest(const Float4& a) {
   return std::max({a[0], a[1], a[2]});
 }
 
+std::size_t GridIndex(int x, int y, int num_columns) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(num_columns) +
+         static_cast<std::size_t>(x);
+}
+
 class Filler {
  public:
   Filler(int steps, const LightCellSource& source, std::span<LightNode> nodes)
@@ -52,7 +57,7 @@ class Filler {
   enum class State : std::uint8_t { kOpen, kInterpolated, kFixed };
 
   [[nodiscard]] std::size_t Index(const LightNodePlace& at) const {
-    return static_cast<std::size_t>(at.y * (steps_ + 1) + at.x);
+    return GridIndex(at.x, at.y, steps_ + 1);
   }
   static std::array<LightNodePlace, 4> Corners(const LightNodePlace& at,
                                                int size) {
@@ -195,14 +200,13 @@ void Unbury(int num, std::span<LightNode> nodes) {
     std::vector<std::pair<std::size_t, Float4>> found;
     for (int y = 0; y < num; ++y) {
       for (int x = 0; x < num; ++x) {
-        const auto here = static_cast<std::size_t>(y * num + x);
+        const auto here = GridIndex(x, y, num);
         if (!nodes[here].is_buried) continue;
         Float4 sum{};
         float count = 0.0f;
         for (int j = std::max(0, y - 1); j <= std::min(num - 1, y + 1); ++j) {
           for (int i = std::max(0, x - 1); i <= std::min(num - 1, x + 1); ++i) {
-            const LightNode& other =
-                nodes[static_cast<std::size_t>(j * num + i)];
+            const LightNode& other = nodes[GridIndex(i, j, num)];
             if (other.is_buried) continue;
             sum += other.light;
             count += 1.0f;

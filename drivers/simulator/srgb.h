@@ -20,13 +20,13 @@ class SrgbTable {
   [[nodiscard]] std::uint8_t FromLinear(float light) const {
     // In this order NaN becomes 0.
     const float clamped = light > 0.0f ? (light < 1.0f ? light : 1.0f) : 0.0f;
-    return table_[static_cast<std::size_t>(clamped * kScale + 0.5f)];
+    return table_[static_cast<std::size_t>(clamped * kScale + kHalf)];
   }
 
   // The same of four values in two steps: Value(PlacesOf(light)[i]).
   [[nodiscard]] static Int4 PlacesOf(const Float4& light) {
     return __builtin_convertvector(
-        ClampToOne(light) * Broadcast(kScale) + Broadcast(0.5f), Int4);
+        ClampToOne(light) * Broadcast(kScale) + Broadcast(kHalf), Int4);
   }
   [[nodiscard]] std::uint8_t Value(std::int32_t place) const {
     return table_[static_cast<std::size_t>(place)];
@@ -35,6 +35,7 @@ class SrgbTable {
  private:
   // Five entries for the darkest, steepest step.
   static constexpr int kSize = 16384;
+  static constexpr float kHalf = 0.5f;  // Truncation rounds with it.
   static constexpr float kScale = static_cast<float>(kSize);
   std::array<std::uint8_t, kSize + 1> table_;
 };
