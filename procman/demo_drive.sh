@@ -53,6 +53,12 @@ while (($#)); do
   shift
 done
 ((!keyboard)) || [[ -t 0 ]] || refuse "--keyboard needs a terminal"
+((!keyboard)) || [[ -z $route ]] ||
+  refuse "--route is driven without you: leave it or --keyboard out"
+# They stand between quotes in the list of processes.
+for value in "$world" "$route" "$camera" "$out"; do
+  [[ $value != *\'* ]] || refuse "$value: must have no quote in it"
+done
 
 # ---- what the world says ---------------------------------------------------
 
