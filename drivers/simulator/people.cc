@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 namespace waymark {
@@ -74,9 +75,16 @@ std::vector<Pose2> People::PosesAt(double seconds,
         poses.push_back(Walk(
             person, paths_[i], states.empty() ? fresh : states[i], seconds));
         break;
-      case PersonMotion::kBeside:
-        poses.push_back(Beside(person, X_WR, poses));
+      case PersonMotion::kBeside: {
+        const auto known = states.empty() ? std::nullopt : states[i].bearing_W;
+        const double wanted = X_WR.heading + person.bearing;
+        poses.push_back(
+            Beside(person,
+                   X_WR,
+                   known ? *known : FreeBearing(person, X_WR, wanted, poses),
+                   known ? states[i].squeezed : 0.0));
         break;
+      }
     }
   }
   return poses;
@@ -87,10 +95,30 @@ void People::Meet(double seconds,
                   const Pose2& X_WR,
                   std::vector<PersonState>* states) const {
   states->resize(people_.size());
+  std::vector<Pose2> others;  // Those before, who have moved already.
   for (std::size_t i = 0; i < people_.size(); ++i) {
-    if (people_[i].motion != PersonMotion::kWalk) continue;
+    const WorldPerson& person = people_[i];
     PersonState* state = &(*states)[i];
-    MeetAsWalker(Walk(people_[i], paths_[i], *state, seconds), dt, X_WR, state);
+    if (person.motion == PersonMotion::kWalk) {
+      MeetAsWalker(Walk(person, paths_[i], *state, seconds), dt, X_WR, state);
+      others.push_back(Walk(person, paths_[i], *state, seconds));
+    } else if (person.motion == PersonMotion::kStand) {
+      others.push_back({person.at.x(), person.at.y(), person.heading});
+    } else {
+      state->bearing_W =
+          state->bearing_W
+              ? GoAround(person, X_WR, *state->bearing_W, dt, others)
+              : FreeBearing(
+                    person, X_WR, X_WR.heading + person.bearing, others);
+      const double wish =
+          std::clamp(Intrusion(person, X_WR, *state->bearing_W, others),
+                     0.0,
+                     std::max(0.0, person.clearance - kLeastGap));
+      const double most = kSqueezeSpeed * dt;
+      state->squeezed += std::clamp(wish - state->squeezed, -most, most);
+      others.push_back(
+          Beside(person, X_WR, *state->bearing_W, state->squeezed));
+    }
   }
 }
 
@@ -180,32 +208,94 @@ Pose2 People::Walk(const WorldPerson& person,
 
 Pose2 People::Beside(const WorldPerson& person,
                      const Pose2& X_WR,
-                     const std::vector<Pose2>& others) const {
+                     double bearing_W,
+                     double squeezed) const {
   const double distance =
-      options_.robot_radius + person.clearance + kPersonRadius;
-  Pose2 best;
+      options_.robot_radius + person.clearance - squeezed + kPersonRadius;
+  const Eigen::Vector2d at =
+      X_WR.position() +
+      distance * Eigen::Vector2d(std::cos(bearing_W), std::sin(bearing_W));
+  return {at.x(), at.y(), X_WR.heading};
+}
+
+double People::Intrusion(const WorldPerson& person,
+                         const Pose2& X_WR,
+                         double bearing_W,
+                         std::span<const Pose2> others) const {
+  const Eigen::Vector2d at = Beside(person, X_WR, bearing_W).position();
+  double intrusion = kPersonRadius - area_.Clearance(at);
+  for (const Pose2& other : others) {
+    intrusion = std::max(intrusion,
+                         2.0 * kPersonRadius - (other.position() - at).norm());
+  }
+  return intrusion;
+}
+
+double People::FreeBearing(const WorldPerson& person,
+                           const Pose2& X_WR,
+                           double bearing_W,
+                           std::span<const Pose2> others) const {
+  double best = bearing_W;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kNumBearings; ++i) {
     // 0, +1, -1, +2, -2, ...: the nearest free bearing comes first.
     const int step = (i + 1) / 2 * (i % 2 == 1 ? 1 : -1);
-    const double bearing = X_WR.heading + person.bearing +
-                           2.0 * std::numbers::pi * step / kNumBearings;
-    const Eigen::Vector2d at =
-        X_WR.position() +
-        distance * Eigen::Vector2d(std::cos(bearing), std::sin(bearing));
-    double intrusion = std::max(0.0, kPersonRadius - area_.Clearance(at));
-    for (const Pose2& other : others) {
-      intrusion = std::max(
-          intrusion, 2.0 * kPersonRadius - (other.position() - at).norm());
-    }
-    const bool is_free = intrusion <= 0.0;
-    if (is_free || intrusion < least - kSameIntrusion) {
+    const double bearing =
+        bearing_W + 2.0 * std::numbers::pi * step / kNumBearings;
+    const double intrusion = Intrusion(person, X_WR, bearing, others);
+    if (intrusion <= 0.0) return bearing;
+    if (intrusion < least - kSameIntrusion) {
       least = intrusion;
-      best = {at.x(), at.y(), X_WR.heading};
+      best = bearing;
     }
-    if (is_free) break;
   }
   return best;
+}
+
+double People::WayOut(const WorldPerson& person,
+                      const Pose2& X_WR,
+                      double bearing_W,
+                      std::span<const Pose2> others) const {
+  double best_turn = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double side : {1.0, -1.0}) {
+    // What is in the way until it is free, over the way.
+    double sum = 0.0;
+    for (int i = 1; i < kNumBearings; ++i) {
+      const double turn = side * 2.0 * std::numbers::pi * i / kNumBearings;
+      const double intrusion =
+          Intrusion(person, X_WR, bearing_W + turn, others);
+      sum += std::max(0.0, intrusion);
+      if (sum >= least) break;
+      if (intrusion > 0.0) continue;
+      least = sum;
+      best_turn = turn;
+      break;
+    }
+  }
+  // Else to where the least is.
+  return best_turn != 0.0
+             ? best_turn
+             : FreeBearing(person, X_WR, bearing_W, others) - bearing_W;
+}
+
+double People::GoAround(const WorldPerson& person,
+                        const Pose2& X_WR,
+                        double bearing_W,
+                        double dt,
+                        std::span<const Pose2> others) const {
+  const double most =
+      kBesideSpeed * dt /
+      (options_.robot_radius + person.clearance + kPersonRadius);
+  const auto toward = [&](double change) {
+    return bearing_W + std::clamp(change, -most, most);
+  };
+  if (Intrusion(person, X_WR, bearing_W, others) > 0.0) {
+    return toward(WayOut(person, X_WR, bearing_W, others));
+  }
+  const double next =
+      toward(WrapAngle(X_WR.heading + person.bearing - bearing_W));
+  return Intrusion(person, X_WR, next, others) <= 0.0 ? next : bearing_W;
 }
 
 }  // namespace waymark

@@ -35,10 +35,10 @@ class People {
   //
   // Who stands, stands. Who walks is at start + speed * (seconds - waited)
   // along the path, or aside of it, and looks along it. Who goes beside the
-  // robot is `clearance` from its cylinder, at the wanted bearing or, where
-  // walls, furniture or the others beside it are in the way, at the nearest
-  // free one; where none is free, at the one that is least in the way. Looks
-  // where the robot looks.
+  // robot is `clearance` from its cylinder, where Meet() has led them; before
+  // that at the wanted bearing or, where walls, furniture or the others beside
+  // it are in the way, at the nearest free one; where none is free, at the one
+  // that is least in the way. Looks where the robot looks.
   [[nodiscard]] std::vector<Pose2> PosesAt(
       double seconds,
       const Pose2& X_WR,
@@ -47,7 +47,9 @@ class People {
   // What who walks makes of a robot at X_WR in the `dt` from `seconds` on:
   // steps aside as far as there is room, stops kWaitGap before a robot that
   // still is less than kPassGap beside its way, after kPatienceS goes back
-  // before it, and goes on when it is gone.
+  // before it, and goes on when it is gone. Who goes beside it keeps with it,
+  // and goes around it at kBesideSpeed at most: to the wanted bearing as far as
+  // that is free, else out of what is in the way; meanwhile, closer to it.
   void Meet(double seconds,
             double dt,
             const Pose2& X_WR,
@@ -58,7 +60,10 @@ class People {
   static constexpr double kWaitGap = 0.6;
   static constexpr double kLookGap = 1.5;  // Farther robots are nobody's care.
   static constexpr double kPatienceS = 3.0;
-  static constexpr double kAsideSpeed = 0.4;  // m/s.
+  static constexpr double kAsideSpeed = 0.4;    // m/s.
+  static constexpr double kBesideSpeed = 1.5;   // About the robot, m/s.
+  static constexpr double kSqueezeSpeed = 1.0;  // To it and from it, m/s.
+  static constexpr double kLeastGap = 0.05;     // m.
 
  private:
   struct Path {
@@ -79,9 +84,33 @@ class People {
                            const Path& path,
                            const PersonState& state,
                            double seconds) const;
+  // At a bearing in W, `squeezed` closer than their clearance.
   [[nodiscard]] Pose2 Beside(const WorldPerson& person,
                              const Pose2& X_WR,
-                             const std::vector<Pose2>& others) const;
+                             double bearing_W,
+                             double squeezed = 0.0) const;
+  // How far who goes there would be in walls and `others`, m; not positive
+  // where that is free.
+  [[nodiscard]] double Intrusion(const WorldPerson& person,
+                                 const Pose2& X_WR,
+                                 double bearing_W,
+                                 std::span<const Pose2> others) const;
+  // The free one nearest to `bearing_W`, else the one least in the way.
+  [[nodiscard]] double FreeBearing(const WorldPerson& person,
+                                   const Pose2& X_WR,
+                                   double bearing_W,
+                                   std::span<const Pose2> others) const;
+  // Turn about the robot to the free bearing to which least is in the way.
+  [[nodiscard]] double WayOut(const WorldPerson& person,
+                              const Pose2& X_WR,
+                              double bearing_W,
+                              std::span<const Pose2> others) const;
+  // The bearing after dt seconds.
+  [[nodiscard]] double GoAround(const WorldPerson& person,
+                                const Pose2& X_WR,
+                                double bearing_W,
+                                double dt,
+                                std::span<const Pose2> others) const;
 
   std::vector<WorldPerson> people_;
   std::vector<Path> paths_;  // Of each person; empty where not walking.

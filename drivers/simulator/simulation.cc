@@ -199,10 +199,7 @@ std::vector<Pose2> Simulation::PeopleAt(Time t, const Pose2& X_WR) const {
   const double share = ShareAt(t);
   std::vector<PersonState> states = states_;
   for (std::size_t i = 0; i < states.size(); ++i) {
-    const PersonState& from = states0_[i];
-    PersonState& to = states[i];
-    to.waited_s = from.waited_s + share * (to.waited_s - from.waited_s);
-    to.aside_W = from.aside_W + share * (to.aside_W - from.aside_W);
+    states[i] = Interpolate(states0_[i], states_[i], share);
   }
   return world_.people(SecondsAt(t), X_WR, states);
 }

@@ -113,8 +113,8 @@ TEST(People, WalkOnPastARobotBesideOrBehindThem) {
   }
 }
 
-TEST(People, WhoDoesNotWalkMindsNoRobot) {
-  World world = WithPerson(Companion(0.0));
+TEST(People, WhoStandsMindsNoRobot) {
+  World world = WithPerson({});
   world.people.push_back({});
   const People people(world, {});
   std::vector<PersonState> states;
@@ -211,6 +211,47 @@ TEST(People, BesideTheRobotStayOutOfWallsAndOfEachOther) {
       }
     }
   }
+}
+
+// A robot along a wall that comes near, into a doorway, back, and turning.
+TEST(People, BesideTheRobotDoNotJumpAndComeBackToTheirSide) {
+  World world;
+  world.rooms = {RectangleRoom("a", 0.0, 0.0, 12.0, 8.0, 2.5)};
+  WorldFurniture piece;
+  piece.at << 6.0, 4.9;
+  piece.size << 2.0, 1.0, 1.9;
+  piece.kind = FurnitureKind::kCabinet;
+  world.furniture = {piece};
+  world.people = {Companion(kPi / 2.0)};
+  const WalkArea area(world);
+  const People people(world, {});
+  std::vector<PersonState> states;
+  constexpr double kStep = 0.005;
+  Pose2 X_WR{2.0, 4.0, 0.0};
+  Pose2 last = people.PosesAt(0.0, X_WR, states)[0];
+  double most_in = 0.0;
+  for (int i = 0; i < 5000; ++i) {
+    // 0.5 m/s ahead, then on the spot.
+    const double heading = i < 3200 ? 0.0 : X_WR.heading + 0.6 * kStep;
+    const double way = i < 3200 ? 0.5 * kStep : 0.0;
+    people.Meet(i * kStep, kStep, X_WR, &states);
+    X_WR = {X_WR.x + way, X_WR.y, heading};
+    const Pose2 pose = people.PosesAt((i + 1) * kStep, X_WR, states)[0];
+    const Eigen::Vector2d p = pose.position();
+    EXPECT_LE(
+        (p - last.position()).norm(),
+        way + std::hypot(People::kBesideSpeed, People::kSqueezeSpeed) * kStep +
+            1e-9);
+    EXPECT_LE((p - X_WR.position()).norm(), 0.7 + 1e-9);
+    EXPECT_GE((p - X_WR.position()).norm(), 0.55 - 1e-9);
+    most_in = std::max(most_in, kPersonRadius - area.Clearance(p));
+    last = pose;
+    if (i == 3199) {
+      ExpectAt(pose, X_WR.x, 4.7, 0.0);
+    }
+  }
+  // What one sees of the cabinet before stepping aside.
+  EXPECT_LT(most_in, 0.02);
 }
 
 TEST(People, BesideTheRobotAreLeastInTheWayWhereNothingIsFree) {
