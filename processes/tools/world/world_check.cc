@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace waymark {
 namespace {
@@ -62,7 +63,99 @@ std::vector<Eigen::Isometry3d> MoverPoses(const People& people,
   return X_WP;
 }
 
+// Points at most kSpacing apart along a line, ends included.
+template <typename Visit>
+void VisitLine(const Eigen::Vector2d& a,
+               const Eigen::Vector2d& b,
+               const Visit& visit) {
+  constexpr double kSpacing = 0.05;
+  const int num_parts =
+      std::max(1, static_cast<int>(std::ceil((b - a).norm() / kSpacing)));
+  for (int i = 0; i <= num_parts; ++i) visit(a + (b - a) * i / num_parts);
+}
+
+std::string At(const Eigen::Vector2d& p) {
+  return fmt::format("at x {:.2f}, y {:.2f}", p.x(), p.y());
+}
+
+// The piece but for what a skirting or the rounding of a file costs.
+std::optional<std::string> FaultOf(const WorldFurniture& piece,
+                                   const WalkArea& area) {
+  constexpr double kPlay = 0.03;
+  WorldFurniture core = piece;
+  for (int i = 0; i < 2; ++i) {
+    core.size[i] = std::max(0.5 * piece.size[i], piece.size[i] - 2.0 * kPlay);
+  }
+  const WalkArea::Outline outline = OutlineOf(core);
+  std::optional<std::string> fault;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    VisitLine(outline[i],
+              outline[(i + 1) % outline.size()],
+              [&](const Eigen::Vector2d& p) {
+                if (fault || area.IsOnFloor(p)) return;
+                fault = piece.where +
+                        ": is outside of all rooms, or in a wall, " + At(p);
+              });
+  }
+  return fault;
+}
+
+// Where a body on a line has less room than it needs.
+std::optional<std::string> FaultOf(const std::vector<Eigen::Vector2d>& line,
+                                   double room,
+                                   const WalkArea& area) {
+  Eigen::Vector2d worst;
+  double least = room;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    VisitLine(line[i],
+              line[std::min(i + 1, line.size() - 1)],
+              [&](const Eigen::Vector2d& p) {
+                const double clearance = area.Clearance(p);
+                if (clearance >= least) return;
+                least = clearance;
+                worst = p;
+              });
+  }
+  if (least >= room) return std::nullopt;
+  if (least <= 0.0)
+    return "is outside of all rooms, or in something, " + At(worst);
+  return fmt::format(
+      "is {:.2f} m from something {}, needs {:.2f} m", least, At(worst), room);
+}
+
 }  // namespace
+
+std::vector<std::string> CheckObjects(const World& world,
+                                      const Scene& scene,
+                                      const WorldCheckOptions& options) {
+  std::vector<std::string> faults;
+  const WalkArea for_people(world, scene.mesh, kPersonHeight);
+  const WalkArea for_robots(world, scene.mesh, options.robot_height);
+  for (const WorldFurniture& piece : world.furniture) {
+    if (const auto fault = FaultOf(piece, for_people)) faults.push_back(*fault);
+  }
+  // Elbows may touch.
+  constexpr double kRoom = kPersonRadius - 0.05;
+  for (const WorldPerson& person : world.people) {
+    std::vector<Eigen::Vector2d> line = person.path;
+    if (person.motion == PersonMotion::kStand) line = {person.at};
+    if (person.motion == PersonMotion::kBeside) continue;
+    if (person.is_closed && !line.empty()) line.push_back(line.front());
+    if (const auto fault = FaultOf(line, kRoom, for_people)) {
+      faults.push_back(
+          person.where +
+          (person.motion == PersonMotion::kStand ? ": at: " : ": path: ") +
+          *fault);
+    }
+  }
+  for (const WorldRoute& route : world.routes) {
+    if (const auto fault =
+            FaultOf(route.points, options.robot_radius, for_robots)) {
+      faults.push_back(route.where + ": " + *fault);
+    }
+  }
+  return faults;
+}
 
 bool Exposure::IsGood() const {
   return burnt_share + black_share <= kMaxClippedShare && mean >= kMinMean &&

@@ -1,4 +1,5 @@
-// Whether a world can be used: free starts, images that are well exposed.
+// Whether a world can be used: things on floors, free starts and ways, images
+// that are well exposed.
 #pragma once
 
 #include "drivers/simulator/scene.h"
@@ -59,6 +60,13 @@ struct WorldCheckOptions {
   // Of the light map, m: coarse, since only how bright a view is counts.
   double light_cell_size = 1.0;
 };
+
+// What stands, walks or is to be driven where that cannot be, a line each with
+// file and object: furniture outside of all rooms or in a wall, people and
+// their paths outside or in something, routes where a robot touches something.
+// Empty where all is well.
+[[nodiscard]] std::vector<std::string> CheckObjects(
+    const World& world, const Scene& scene, const WorldCheckOptions& options);
 
 // Views from all starts and places of a world, one result each, in order.
 // Throws InputError where the world has neither.

@@ -26,12 +26,14 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace waymark {
@@ -142,11 +144,36 @@ Pose2 PoseOf(const Request& request, const World& world) {
           request.pose[2] * std::numbers::pi / 180.0};
 }
 
+// No output may overwrite another one.
+void CheckDifferent(const Request& request) {
+  const std::array<std::pair<const char*, const std::string*>, 4> outputs{{
+      {"--out", &request.out},
+      {"--depth", &request.depth},
+      {"--surfaces", &request.surfaces},
+      {"--edges", &request.edges},
+  }};
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].second->empty()) continue;
+    // Neither need be there yet.
+    const auto path = std::filesystem::weakly_canonical(*outputs[i].second);
+    for (std::size_t k = 0; k < i; ++k) {
+      if (outputs[k].second->empty() ||
+          path != std::filesystem::weakly_canonical(*outputs[k].second)) {
+        continue;
+      }
+      throw InputError(std::string(outputs[i].first) + " " +
+                       *outputs[i].second + ": is that of " + outputs[k].first +
+                       " too");
+    }
+  }
+}
+
 void Render(const Request& request) {
   CheckImageOutput(request, request.out, "--out", false);
   CheckImageOutput(request, request.depth, "--depth", true);
   CheckImageOutput(request, request.surfaces, "--surfaces", true);
   CheckImageOutput(request, request.edges, "--edges", false);
+  CheckDifferent(request);
   const CameraDescription camera =
       LoadCameraFile(FindCameraFile(request.camera));
   const World world = LoadWorldFile(FindWorldFile(request.world));
@@ -254,6 +281,8 @@ bool CheckOne(const Request& request,
              world.people.size());
   WorldCheckOptions options;
   options.num_threads = request.threads;
+  const std::vector<std::string> faults = CheckObjects(world, scene, options);
+  for (const std::string& fault : faults) fmt::print("  BAD: {}\n", fault);
   int bad = 0;
   for (const ViewCheck& check : CheckViews(world, scene, cameras, options)) {
     if (!check.IsGood()) ++bad;
@@ -269,8 +298,10 @@ bool CheckOne(const Request& request,
         check.change,
         check.clearance);
   }
-  fmt::print("  {}\n", bad == 0 ? "good" : fmt::format("{} views bad", bad));
-  return bad == 0;
+  if (bad > 0) fmt::print("  {} views bad\n", bad);
+  if (bad > 0 || !faults.empty()) return false;
+  fmt::print("  good\n");
+  return true;
 }
 
 void Check(const Request& request, int* exit_code) {
@@ -362,7 +393,9 @@ void AddInfo(CLI::App* app, Request* request) {
 void AddCheck(CLI::App* app, Request* request, int* exit_code) {
   CLI::App* command = app->add_subcommand(
       "check",
-      "Loads and builds worlds; robots must be free at starts and places, and "
+      "Loads and builds worlds; furniture must be in rooms, people, their "
+      "paths and routes out of walls and furniture, robots 1.1 m high and "
+      "0.5 m wide free at starts and places, and "
       "images from there well exposed: mean grey value from 50 to 200, at most "
       "2 % of pixels at 0 or 255, a mean change of at most 1.5 grey values "
       "when "

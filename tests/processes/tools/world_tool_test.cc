@@ -18,6 +18,7 @@ namespace waymark {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kYaml =
     "rooms:\n"
@@ -88,7 +89,39 @@ TEST_F(WorldTool, ChecksStartsPlacesAndBrightness) {
                            "starts: [[0.1, 2, 0]]\n";
   EXPECT_EQ(Run({"check", world_}), 1);
   EXPECT_THAT(output_, HasSubstr("BAD: start 0"));
-  EXPECT_THAT(output_, HasSubstr("clearance 0.10 m"));
+  EXPECT_THAT(output_, HasSubstr("clearance 0.09 m"));
+}
+
+TEST_F(WorldTool, CheckNamesWhatIsWhereItCannotBe) {
+  std::ofstream(world_)
+      << "rooms:\n"
+         "  - {name: hall, rectangle: [0, 0, 5, 4]}\n"
+         "furniture:\n"
+         "  - {kind: box, at: [100, 2]}\n"
+         "  - {kind: cabinet, at: [4.9, 3]}\n"
+         "  - {kind: table, at: [3, 3.4], size: [0.8, 1.2, 0.74]}\n"
+         "people:\n"
+         "  - {motion: stand, at: [-3, 2]}\n"
+         "  - {motion: walk, path: [[1, 1], [9, 1]]}\n"
+         "  - {motion: walk, path: [[3, 1], [3, 3.7]]}\n"
+         "  - {motion: walk, path: [[1, 1], [4, 1]]}\n"
+         "starts: [[1, 2, 0]]\n"
+         "routes: {below: [[1, 2], [3, 3.4]]}\n";
+  EXPECT_EQ(Run({"check", world_}), 1);
+  for (const char* line :
+       {":4: furniture[0] (box): is outside of all rooms, or in a wall, at x "
+        "99",
+        ":5: furniture[1] (cabinet): is outside of all rooms, or in a wall, at "
+        "x 5",
+        ":8: people[0] (person 1): at: is outside of all rooms, or in "
+        "something, at x -3",
+        ":9: people[1] (person 2): path: is outside of all rooms",
+        ":10: people[2] (person 3): path: is ",
+        ": routes (below): is "}) {
+    EXPECT_THAT(output_, HasSubstr(line));
+  }
+  EXPECT_THAT(output_, Not(HasSubstr("furniture[2]")));
+  EXPECT_THAT(output_, Not(HasSubstr("people[3]")));
 }
 
 TEST_F(WorldTool, RefusesBadInputInOneLine) {
@@ -99,6 +132,13 @@ TEST_F(WorldTool, RefusesBadInputInOneLine) {
   EXPECT_EQ(Run({"render", world_, out, "--pose=1,2"}), 2);
   EXPECT_EQ(Run({"render", world_, "--out=x.gif"}), 2);
   EXPECT_THAT(error_, HasSubstr("must end in .png or .jpg"));
+  EXPECT_EQ(Run({"render",
+                 world_,
+                 out,
+                 "--depth=" + (folder_ / "d.png"),
+                 "--edges=" + (folder_ / "./x.png")}),
+            2);
+  EXPECT_THAT(error_, HasSubstr("x.png: is that of --out too"));
   EXPECT_EQ(Run({"plan", world_, out, "--pixels=3"}), 2);
   EXPECT_EQ(Run({}), 2);
 }
