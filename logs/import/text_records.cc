@@ -58,6 +58,10 @@ std::string ReadTextFile(const std::string& path) {
   if (!std::filesystem::exists(path, error)) {
     throw InputError(path + ": no such file");
   }
+  // Devices and pipes may have no end.
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw InputError(path + ": is no regular file");
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be read");
   std::string content{std::istreambuf_iterator<char>(file),

@@ -1,12 +1,30 @@
 // People of a world file, and where robots start, stop and drive.
+#include "estimation/base/input_error.h"
 #include "processes/convert/world_reader.h"
 #include "processes/convert/world_values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
 namespace waymark {
+namespace {
+
+// waymark-world info prints a name as one word of a line.
+void CheckWord(const YamlGroup& group, const std::string& name) {
+  const bool is_word =
+      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+        // Letters beyond ASCII have bytes above it.
+        return static_cast<unsigned char>(c) > ' ' && c != '\x7f';
+      });
+  if (!is_word) {
+    throw InputError(group.Where() +
+                     ": names must be of one word, without blanks");
+  }
+}
+
+}  // namespace
 
 void WorldReader::ReadPerson(YamlGroup group) {
   WorldPerson person;
@@ -65,6 +83,7 @@ void WorldReader::ReadPoses(YamlGroup* root) {
   auto places = root->Group("places");
   if (!places) return;
   for (const std::string& name : places->keys()) {
+    CheckWord(*places, name);
     const auto row = places->Numbers(name, 3, {-360.0, 360.0});
     Put(WorldPose{places->Where(name), name, pose(*row)}, &world_->places);
   }
@@ -74,6 +93,7 @@ void WorldReader::ReadRoutes(YamlGroup* root) {
   auto routes = root->Group("routes");
   if (!routes) return;
   for (const std::string& name : routes->keys()) {
+    CheckWord(*routes, name);
     const auto rows = routes->Rows(name, 2, 2, kCoordinate);
     Put(WorldRoute{routes->Where(name), name, Points(*rows)}, &world_->routes);
   }

@@ -1,9 +1,11 @@
 // Rooms of a world file.
 #include "drivers/simulator/world_layout.h"
+#include "estimation/base/input_error.h"
 #include "processes/convert/world_reader.h"
 #include "processes/convert/world_values.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string>
 
@@ -19,6 +21,12 @@ void WorldReader::ReadRoom(YamlGroup group) {
   WorldRoom room;
   const auto name = group.Text("name");
   if (!name) group.Miss("name");
+  // They are told apart by it in errors of one line.
+  if (std::any_of(name->begin(), name->end(), [](char c) {
+        return std::iscntrl(static_cast<unsigned char>(c)) != 0;
+      })) {
+    throw InputError(group.Where() + ": name: must be one line");
+  }
   room.name = *name;
   if (RoomNamed(*world_, room.name) >= 0) {
     group.Refuse("name", "must not be that of another room");

@@ -10,7 +10,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -80,8 +82,17 @@ std::string ReadTextFile(const std::string& path) {
     throw InputError(
         fmt::format("{}: cannot open: {}", path, std::strerror(errno)));
   }
+  // Devices and pipes may have no end.
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw InputError(path + ": is no regular file");
+  }
+  // A hundred times the longest that anyone has written.
+  constexpr std::uintmax_t kMaxBytes = 16 << 20;
+  if (std::filesystem::file_size(path, error) > kMaxBytes || error) {
+    throw InputError(path + ": is longer than 16 MiB");
+  }
   std::ostringstream text;
-  // Copying sets badbit where reading fails, of a directory for example.
   if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
   if (file.bad() || !text) throw InputError(path + ": cannot read");
   return text.str();

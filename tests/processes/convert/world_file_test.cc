@@ -132,6 +132,12 @@ TEST(WorldFile, RefusesInOneLineThatSaysWhereAndWhatIsAllowed) {
             "w.yaml:4: rooms[0].outline = a list of 3: must not be beside"},
            {"    floor: lava\n",
             "w.yaml:4: rooms[0].floor = lava: must be one of: linoleum"},
+           {"places: {\"my desk\": [1, 1, 0]}\n",
+            "w.yaml:4: places: names must be of one word"},
+           {"routes: {\"a\\nb\": [[1, 1], [2, 1]]}\n",
+            "w.yaml:4: routes: names must be of one word"},
+           {"  - {name: \"a\\nb\", rectangle: [9, 0, 12, 4]}\n",
+            "w.yaml:4: rooms[1]: name: must be one line"},
            {"    wall_materials: {up: brick}\n",
             "w.yaml:4: rooms[0].wall_materials.up = brick: must be a wall of "
             "that room: south, east, north, west"},

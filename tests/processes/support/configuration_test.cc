@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -206,6 +208,24 @@ TEST(Configuration, FileThatCannotBeReadIsNamed) {
                  "/nowhere/x.yaml: cannot open: No such file or directory");
   }
   EXPECT_THROW(LoadConfigurationFile("/tmp", DescribeOf(&config)), InputError);
+}
+
+TEST(Configuration, FilesWithoutAnEndAreRefused) {
+  ExampleConfig config;
+  const std::string path = testing::TempDir() + "configuration_long.yaml";
+  std::ofstream(path) << "";
+  std::filesystem::resize_file(path, (16 << 20) + 1);
+  for (const auto& [file, reason] :
+       {std::pair<std::string, std::string>{"/dev/zero", "is no regular file"},
+        {path, "is longer than 16 MiB"}}) {
+    try {
+      LoadConfigurationFile(file, DescribeOf(&config));
+      ADD_FAILURE() << file;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), file + ": " + reason);
+    }
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(Configuration, SettingsOverrideTheFile) {
