@@ -312,7 +312,8 @@ void LightMapBaker::FillCell(std::size_t chart, int side, int x, int y) {
     nodes[static_cast<std::size_t>(steps * (j * (steps + 1) + i))] =
         nodes_[NodeIndex(chart, side, x + i, y + j)];
   }
-  const auto num = static_cast<std::size_t>((steps + 1) * (steps + 1));
+  const auto side_nodes = static_cast<std::size_t>(steps + 1);
+  const std::size_t num = side_nodes * side_nodes;
   FillLightCell(steps, source, std::span(nodes).first(num));
   Float4* to = map_->nodes_.data() +
                (map_->cells_[index] & ((1u << LightMap::kIndexBits) - 1u));
