@@ -108,7 +108,10 @@ say "demo drive: watch it, in another terminal: LCM_DEFAULT_URL='$url' ./run spy
 
 status=0
 if ((keyboard)); then
+  # Ctrl-C is the end of the drive, not of the demo.
+  trap : INT
   "$bin/teleop" --lcm-url "$url" || status=$?
+  session_ends_on INT
 else
   "$bin/waymark-task" waypoints "${waypoints[@]}" --follow --lcm-url "$url" ||
     status=$?

@@ -54,8 +54,11 @@ session_begin() {
   flock -n 9 ||
     refuse "another demo is writing to $session_out; use --out FOLDER"
   trap session_cleanup EXIT
-  trap 'session_cleanup; echo "$session_name: interrupted" >&2; exit 130' \
-    INT TERM HUP
+  session_ends_on INT TERM HUP
+}
+
+session_ends_on() {
+  trap 'session_cleanup; echo "$session_name: interrupted" >&2; exit 130' "$@"
 }
 
 # The newest line that each process wrote, where something went wrong.
@@ -70,7 +73,8 @@ session_blame() {
 # session_launch FOLDER: starts the processes of FOLDER/list.
 session_launch() {
   # Batch results of long recordings take their time at the end.
-  WAYMARK_STOP_S=60 "$root/procman/launcher.sh" "$1/list" "$1" 9>&- &
+  # In a session of their own: a Ctrl-C in this terminal is for the script.
+  WAYMARK_STOP_S=60 setsid "$root/procman/launcher.sh" "$1/list" "$1" 9>&- &
   launcher_pid=$!
 }
 

@@ -129,10 +129,20 @@ void People::MeetAsWalker(const Pose2& X_WP,
   const double touching = kPersonRadius + options_.robot_radius;
   const Eigen::Vector2d p_PR = Inverse(X_WP) * X_WR.position();
   const double gap = p_PR.norm() - touching;
-  const bool is_near = gap < kLookGap && p_PR.x() > -touching;
-  const bool is_in_way = is_near && std::abs(p_PR.y()) < touching + kPassGap;
   const double way = kAsideSpeed * dt;
   const Eigen::Rotation2Dd R_WP(X_WP.heading);
+  if (state->patience_s >= kPatienceS && gap < kLookGap) {
+    // Gives way, wherever they were going, until the robot is gone: away from
+    // it, or along what is in the way of that.
+    state->waited_s += dt;
+    if (gap >= kGiveGap) return;
+    const Eigen::Vector2d away = -way * (R_WP * p_PR.normalized());
+    for (const double turn : {0.0, 0.7, -0.7, 1.4, -1.4}) {
+      if (Shift(X_WP, Eigen::Rotation2Dd(turn) * away, X_WR, state)) return;
+    }
+    return;
+  }
+  const bool is_near = gap < kLookGap && p_PR.x() > -touching;
   if (!is_near) {
     state->patience_s = 0.0;
     const double left = state->aside_W.norm();
@@ -142,22 +152,12 @@ void People::MeetAsWalker(const Pose2& X_WP,
     }
   }
   // Aside enough, they stay there until they are past it.
-  if (!is_in_way) return;
-  const bool is_ahead = p_PR.x() > 0.0;
-  if (state->patience_s < kPatienceS) {
-    const double left = p_PR.y() > 0.0 ? -way : way;
-    (void)Shift(X_WP, R_WP * Eigen::Vector2d(0.0, left), X_WR, state);
-    if (is_ahead && gap < kWaitGap) {
-      state->waited_s += dt;
-      state->patience_s += dt;
-    }
-    return;
-  }
-  // Back, and away from the robot, or along what is in the way of that.
-  state->waited_s += is_ahead ? 2.0 * dt : dt;
-  const Eigen::Vector2d away = -way * (R_WP * p_PR.normalized());
-  for (const double turn : {0.0, 0.7, -0.7, 1.4, -1.4}) {
-    if (Shift(X_WP, Eigen::Rotation2Dd(turn) * away, X_WR, state)) return;
+  if (!is_near || std::abs(p_PR.y()) >= touching + kPassGap) return;
+  const double left = p_PR.y() > 0.0 ? -way : way;
+  (void)Shift(X_WP, R_WP * Eigen::Vector2d(0.0, left), X_WR, state);
+  if (p_PR.x() > 0.0 && gap < kWaitGap) {
+    state->waited_s += dt;
+    state->patience_s += dt;
   }
 }
 

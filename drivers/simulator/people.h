@@ -46,8 +46,8 @@ class People {
 
   // What who walks makes of a robot at X_WR in the `dt` from `seconds` on:
   // steps aside as far as there is room, stops kWaitGap before a robot that
-  // still is less than kPassGap beside its way, after kPatienceS goes back
-  // before it, and goes on when it is gone. Who goes beside it keeps with it,
+  // still is less than kPassGap beside its way, after kPatienceS gives way
+  // until it is kGiveGap away, and goes on when it is gone. Who goes beside it keeps with it,
   // and goes around it at kBesideSpeed at most: to the wanted bearing as far as
   // that is free, else out of what is in the way; meanwhile, closer to it.
   void Meet(double seconds,
@@ -60,6 +60,7 @@ class People {
   static constexpr double kWaitGap = 0.6;
   static constexpr double kLookGap = 1.5;  // Farther robots are nobody's care.
   static constexpr double kPatienceS = 3.0;
+  static constexpr double kGiveGap = 1.0;       // When they have given way.
   static constexpr double kAsideSpeed = 0.4;    // m/s.
   static constexpr double kBesideSpeed = 1.5;   // About the robot, m/s.
   static constexpr double kSqueezeSpeed = 1.0;  // To it and from it, m/s.

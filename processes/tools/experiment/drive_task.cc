@@ -82,6 +82,11 @@ std::optional<DriveTask> DriveTaskMaker::MakeOne(Random* random) const {
   const auto pick = [&] { return places_[random->Index(places_.size())]; };
   DriveTask task;
   Eigen::Vector2d from = pick();
+  for (const Eigen::Vector2d& person : options_.people) {
+    if ((person - from).norm() < options_.radius + options_.people_gap) {
+      return std::nullopt;
+    }
+  }
   task.X_WR = {from.x(), from.y(), random->Uniform(-kPi, kPi)};
   constexpr int kMaxDraws = 100;
   for (int draw = 0; draw < kMaxDraws; ++draw) {

@@ -21,6 +21,9 @@ struct DriveTaskOptions {
   int num_goals = 3;
   double min_way = 2.0;  // Of the shortest way from one goal to the next, m.
   double max_way = 15.0;
+  // Who walks is there when the run begins: starts keep away from them, m.
+  std::vector<Eigen::Vector2d> people;
+  double people_gap = 0.5;  // From their middle to the robot's side.
 };
 
 struct DriveTask {

@@ -65,6 +65,16 @@ std::string SubjectOf(const SimulatorConfig& config, const World& world) {
   return fmt::format("world {} {:016x}", config.world, print.value());
 }
 
+// Those who walk are somewhere when a run begins.
+DriveTaskOptions WithPeople(DriveTaskOptions options, const World& world) {
+  const auto poses = People(world, {}).PosesAt(0.0, Pose2{});
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (world.people[i].motion != PersonMotion::kWalk) continue;
+    options.people.push_back(poses[i].position());
+  }
+  return options;
+}
+
 // Free; its usual one.
 Eigen::Vector2d StartOf(const SimulatorConfig& config, const World& world) {
   if (!config.start.empty()) return {config.start[0], config.start[1]};
@@ -82,7 +92,7 @@ ExperimentTasks::World::World(const SimulatorConfig& config,
                               const DriveTaskOptions& options,
                               const waymark::World& world)
     : map(SegmentsOf(world, config.robot.height)),
-      tasks(map, options, StartOf(config, world)) {}
+      tasks(map, WithPeople(options, world), StartOf(config, world)) {}
 
 ExperimentTasks::ExperimentTasks(const SimulatorConfig& config,
                                  const DriveTaskOptions& options)

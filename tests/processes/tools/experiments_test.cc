@@ -94,6 +94,21 @@ TEST_F(ExperimentsTest, TheSameRunWithALogAndWithout) {
   }
 }
 
+TEST_F(ExperimentsTest, StartsAreFreeOfPeopleWhoWalk) {
+  std::ofstream(folder_ / "rooms.yaml", std::ios::app)
+      << "people: [{motion: walk, path: [[1, 1], [4, 1]], start: 1}]\n";
+  SimulatorConfig config = SimulatorWithoutVision();
+  config.world = folder_ / "rooms.yaml";
+  DriveTaskOptions options;
+  options.num_goals = 1;
+  options.min_way = 0.0;
+  const ExperimentTasks tasks(config, options);
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const Eigen::Vector2d p = tasks.Make(seed).X_WR.position();
+    EXPECT_GT((p - Eigen::Vector2d(2.0, 1.0)).norm(), 0.6) << seed;
+  }
+}
+
 // What one run leaves behind must not reach the next one.
 TEST_F(ExperimentsTest, RefusesWhatRunsWouldShare) {
   for (const char* setting : {"simulator.state_file=a",
