@@ -99,10 +99,7 @@ double Distance(const WorldRoom& a, const WorldRoom& b) {
   double distance = std::numeric_limits<double>::infinity();
   for (const auto& [from, to] : {std::pair(&a, &b), std::pair(&b, &a)}) {
     for (const Eigen::Vector2d& p : from->outline) {
-      for (std::size_t i = 0; i < to->outline.size(); ++i) {
-        distance = std::min(
-            distance, DistanceToWall(Corner(*to, i), Corner(*to, i + 1), p));
-      }
+      distance = std::min(distance, DistanceToOutline(to->outline, p));
     }
   }
   return distance;
@@ -348,6 +345,16 @@ bool IsInside(const std::vector<Eigen::Vector2d>& outline,
     if (point.x() < x) is_inside = !is_inside;
   }
   return is_inside;
+}
+
+double DistanceToOutline(const std::vector<Eigen::Vector2d>& outline,
+                         const Eigen::Vector2d& point) {
+  double distance = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0, k = outline.size() - 1; i < outline.size(); k = i++) {
+    distance =
+        std::min(distance, DistanceToWall(outline[k], outline[i], point));
+  }
+  return distance;
 }
 
 int RoomAt(const World& world, const Eigen::Vector2d& point) {

@@ -74,6 +74,8 @@ inline constexpr double kMinWallThickness = 0.02;
 
 [[nodiscard]] bool IsInside(const std::vector<Eigen::Vector2d>& outline,
                             const Eigen::Vector2d& point);
+[[nodiscard]] double DistanceToOutline(
+    const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& point);
 // Index of the room that has a point in it, or -1.
 [[nodiscard]] int RoomAt(const World& world, const Eigen::Vector2d& point);
 // Index of a room by name, or -1.

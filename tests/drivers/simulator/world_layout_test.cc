@@ -34,6 +34,18 @@ TEST(WorldLayout, FrameOfWallLooksIntoTheRoom) {
   }
 }
 
+TEST(WorldLayout, OutlinesAreAsFarAsTheirNearestWallOrCorner) {
+  const WorldRoom room = RectangleRoom("a", 1.0, 2.0, 5.0, 4.0, 2.5);
+  const auto distance = [&](double x, double y) {
+    return DistanceToOutline(room.outline, {x, y});
+  };
+  EXPECT_NEAR(distance(2.0, 2.5), 0.5, 1e-12);
+  EXPECT_NEAR(distance(2.0, 1.5), 0.5, 1e-12);
+  EXPECT_NEAR(distance(4.9, 3.0), 0.1, 1e-12);
+  EXPECT_NEAR(distance(5.3, 4.4), 0.5, 1e-12);
+  EXPECT_NEAR(distance(0.7, 1.6), 0.5, 1e-12);
+}
+
 TEST(WorldLayout, RectanglesMeasureFromWestAndSouth) {
   const WorldRoom room = RectangleRoom("a", 1.0, 2.0, 5.0, 4.0, 2.5);
   const auto at = [&](int wall, double along) -> Eigen::Vector2d {
