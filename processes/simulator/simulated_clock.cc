@@ -5,15 +5,19 @@
 namespace waymark {
 
 SimulatedClock::SimulatedClock(double speed, Time now, Time start)
-    : speed_(speed), begin_(now), start_(start), shown_(start) {}
+    : speed_(speed),
+      begin_(now),
+      start_(start),
+      max_catch_up_(DurationFromSeconds(speed * Seconds(kMaxCatchUp))),
+      shown_(start) {}
 
 Time SimulatedClock::At(Time now) {
   // From the beginning, so that roundings do not add up.
   const Time due =
       start_ + DurationFromSeconds(speed_ * Seconds(now - begin_)) - lost_;
-  const Duration too_late = due - shown_ - kMaxCatchUp;
+  const Duration too_late = due - shown_ - max_catch_up_;
   if (too_late > Duration(0)) lost_ += too_late;
-  shown_ = std::clamp(due, shown_, shown_ + kMaxCatchUp);
+  shown_ = std::clamp(due, shown_, shown_ + max_catch_up_);
   return shown_;
 }
 

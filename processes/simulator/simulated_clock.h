@@ -6,12 +6,14 @@
 namespace waymark {
 
 // Time that passes `speed` times as fast as a clock. What was missed is made up
-// for, but no more than kMaxCatchUp of it: a machine that slept for an hour
-// would send a hundred thousand readings at once, which nobody can take in. The
-// rest is lost.
+// for, but no more than kMaxCatchUp of the clock's time; the rest is lost. A
+// machine that stood still for longer kept the other processes from answering
+// too: made up for, that time would be driven without them until the command's
+// time-out, and after an hour's sleep a hundred thousand readings would come at
+// once.
 class SimulatedClock {
  public:
-  static constexpr Duration kMaxCatchUp = std::chrono::seconds(1);
+  static constexpr Duration kMaxCatchUp = std::chrono::milliseconds(100);
 
   // Shows `start` at `now`.
   SimulatedClock(double speed, Time now, Time start);
@@ -25,6 +27,7 @@ class SimulatedClock {
   double speed_;
   Time begin_;
   Time start_;
+  Duration max_catch_up_;  // Of simulated time.
   Time shown_;
   Duration lost_{0};
 };

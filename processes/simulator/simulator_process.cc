@@ -307,7 +307,7 @@ void SimulatorProcess::ShowFault(Time now) {
   };
   if (is_recent(lost_time_)) {
     add(
-        fmt::format("lost {:.1f} s in all: this machine stood still, or is too "
+        fmt::format("lost {:.2f} s in all: this machine stood still, or is too "
                     "slow for time.speed",
                     Seconds(clock_->lost())));
   }

@@ -28,9 +28,11 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -201,17 +203,23 @@ class SimulatorNetworkTest : public NetworkTest {
   }
   // Waits until it has said so on STATUS.
   void AwaitStatus(const std::string& name) {
-    const int before = peer_.num_statuses[name];
-    ASSERT_TRUE(peer_.Until([&] { return peer_.num_statuses[name] > before; }))
-        << name << ": " << processes_[name]->ErrSoFar();
+    const int before = peer_->num_statuses[name];
+    ASSERT_TRUE(peer_->Until([&] {
+      return peer_->num_statuses[name] > before;
+    })) << name
+        << ": " << processes_[name]->ErrSoFar();
   }
-  // All but the simulator listen, then that begins.
-  void StartAll(const Settings& simulator) {
-    for (const char* name : {"pose_filter", "path_follower", "collision_guard"})
-      Start(name);
+  // All but the simulator listen, then that begins; nothing is left of a run
+  // before.
+  void StartAll(const Settings& simulator, const Settings& path_follower = {}) {
+    processes_.clear();
+    peer_.emplace();
+    Start("pose_filter");
+    Start("path_follower", path_follower);
+    Start("collision_guard");
     for (const char* name : {"pose_filter", "path_follower", "collision_guard"})
       ASSERT_NO_FATAL_FAILURE(AwaitStatus(name));
-    peer_.Send(ThereAndBack(peer_.now()));
+    peer_->Send(ThereAndBack(peer_->now()));
     Start("simulator", simulator);
   }
   void Kill(const std::string& name) {
@@ -220,21 +228,21 @@ class SimulatorNetworkTest : public NetworkTest {
     EXPECT_EQ(processes_[name]->Wait().exit_code, 128 + SIGKILL);
   }
   void ExpectDriving() {
-    ASSERT_TRUE(peer_.Until([&] { return peer_.Speed() > 0.2; }))
-        << peer_.task.state << ": " << peer_.task.reason << "; allowed "
-        << peer_.command.forward << " m/s: " << peer_.command.reason << "; "
-        << peer_.base.num_contacts << " contacts, " << peer_.truths.size()
+    ASSERT_TRUE(peer_->Until([&] { return peer_->Speed() > 0.2; }))
+        << peer_->task.state << ": " << peer_->task.reason << "; allowed "
+        << peer_->command.forward << " m/s: " << peer_->command.reason << "; "
+        << peer_->base.num_contacts << " contacts, " << peer_->truths.size()
         << " truths; guard: " << processes_["collision_guard"]->ErrSoFar();
   }
   // How long after the kill the robot moved for the last time, ms.
   double MovedForMs() {
-    peer_.For(milliseconds(1500));
-    std::size_t last = peer_.truths.size() - 1;
+    peer_->For(milliseconds(1500));
+    std::size_t last = peer_->truths.size() - 1;
     while (last > 0 &&
-           Distance(peer_.truths[last], peer_.truths[last - 1]) == 0.0) {
+           Distance(peer_->truths[last], peer_->truths[last - 1]) == 0.0) {
       --last;
     }
-    return std::chrono::duration<double, std::milli>(peer_.arrivals[last] -
+    return std::chrono::duration<double, std::milli>(peer_->arrivals[last] -
                                                      killed_)
         .count();
   }
@@ -246,7 +254,7 @@ class SimulatorNetworkTest : public NetworkTest {
   }
 
   TemporaryDirectory directory_;
-  Peer peer_;
+  std::optional<Peer> peer_;
   std::map<std::string, std::unique_ptr<ChildProcess>> processes_;
   Steady::time_point killed_;
 };
@@ -255,66 +263,91 @@ TEST_F(SimulatorNetworkTest, SteppedGivesTheTrajectoryOfLockStep) {
   ASSERT_NO_FATAL_FAILURE(
       StartAll({"time.pace=stepped", "time.answer_timeout_s=5"}));
   ASSERT_TRUE(
-      peer_.Until([&] { return peer_.task.state == "done"; }, seconds(120)))
-      << peer_.task.state << ": " << peer_.task.reason;
-  EXPECT_EQ(peer_.faults["simulator"], "");
-  const double apart = LargestDistance(peer_.truths, LockStep());
+      peer_->Until([&] { return peer_->task.state == "done"; }, seconds(120)))
+      << peer_->task.state << ": " << peer_->task.reason;
+  EXPECT_EQ(peer_->faults["simulator"], "");
+  const double apart = LargestDistance(peer_->truths, LockStep());
   std::printf("stepped: %.6f mm apart over %.1f m\n",
               1000.0 * apart,
-              Length(peer_.truths));
-  EXPECT_GT(Length(peer_.truths), 19.8);
+              Length(peer_->truths));
+  EXPECT_GT(Length(peer_->truths), 19.8);
   EXPECT_LE(apart, 1e-3);
 }
 
+// While the machine stands still nobody answers the robot, which stops as it
+// should: how long it may without any time-out of the deployment (300 ms).
+constexpr milliseconds kBearableStall{100};
+
 TEST_F(SimulatorNetworkTest, FreeRunningStaysNearTheTrajectoryOfLockStep) {
-  ASSERT_NO_FATAL_FAILURE(StartAll({}));
-  ASSERT_TRUE(
-      peer_.Until([&] { return peer_.task.state == "done"; }, seconds(120)))
-      << peer_.task.state << ": " << peer_.task.reason;
-  const double apart = LargestDistance(peer_.truths, LockStep());
-  std::printf("free-running: %.1f mm apart over %.1f m\n",
-              1000.0 * apart,
-              Length(peer_.truths));
-  EXPECT_GT(Length(peer_.truths), 19.8);
+  double apart = 0.0;
+  const bool is_measured = OnARunningMachine(
+      kBearableStall,
+      [&] {
+        ASSERT_NO_FATAL_FAILURE(StartAll({}));
+        ASSERT_TRUE(peer_->Until([&] { return peer_->task.state == "done"; },
+                                 seconds(120)))
+            << peer_->task.state << ": " << peer_->task.reason;
+        apart = LargestDistance(peer_->truths, LockStep());
+        std::printf("free-running: %.1f mm apart over %.1f m\n",
+                    1000.0 * apart,
+                    Length(peer_->truths));
+      },
+      [&] { return apart <= 0.05; });
+  if (!is_measured) return;
+  EXPECT_GT(Length(peer_->truths), 19.8);
   EXPECT_LE(apart, 0.05);
-  EXPECT_EQ(peer_.base.num_contacts, 0);
+  EXPECT_EQ(peer_->base.num_contacts, 0);
 }
 
 // At rest within the command time-out of 500 ms. It is measured at this end of
 // the bus: one tick of 20 ms, the message's way, and a wait for the processor.
 constexpr double kRestMs = 500.0;
-constexpr double kSlackMs = 60.0;
+constexpr milliseconds kSlack{60};
 
 TEST_F(SimulatorNetworkTest, ARobotWithoutItsGuardStopsAndGoesOn) {
-  ASSERT_NO_FATAL_FAILURE(StartAll({}));
-  ASSERT_NO_FATAL_FAILURE(ExpectDriving());
-  Kill("collision_guard");
-  const double moved_ms = MovedForMs();
-  std::printf("guard killed: at rest after %.0f ms\n", moved_ms);
-  EXPECT_LE(moved_ms, kRestMs + kSlackMs);
-  EXPECT_EQ(peer_.base.num_timeouts, 1);
+  double moved_ms = 0.0;
+  const auto is_good = [&] {
+    return moved_ms <= kRestMs + kSlack.count() &&
+           peer_->base.num_timeouts == 1;
+  };
+  const bool is_measured = OnARunningMachine(
+      kSlack,
+      [&] {
+        ASSERT_NO_FATAL_FAILURE(StartAll({}));
+        ASSERT_NO_FATAL_FAILURE(ExpectDriving());
+        Kill("collision_guard");
+        moved_ms = MovedForMs();
+        std::printf("guard killed: at rest after %.0f ms\n", moved_ms);
+      },
+      is_good);
+  if (!is_measured) return;
+  EXPECT_TRUE(is_good()) << moved_ms << " ms, " << peer_->base.num_timeouts
+                         << " time-outs";
   ASSERT_NO_FATAL_FAILURE(ExpectTheRestLives("collision_guard"));
   Start("collision_guard");
   ASSERT_NO_FATAL_FAILURE(ExpectDriving());
 }
 
 TEST_F(SimulatorNetworkTest, ARobotWithoutItsFollowerStopsAndGoesOn) {
-  const std::string file = "task_file=" + (directory_ / "task");
-  Start("pose_filter");
-  Start("path_follower", {file});
-  Start("collision_guard");
-  for (const char* name : {"pose_filter", "path_follower", "collision_guard"})
-    ASSERT_NO_FATAL_FAILURE(AwaitStatus(name));
-  peer_.Send(ThereAndBack(peer_.now()));
-  Start("simulator");
-  ASSERT_NO_FATAL_FAILURE(ExpectDriving());
-  Kill("path_follower");
-  const double moved_ms = MovedForMs();
-  std::printf("follower killed: at rest after %.0f ms\n", moved_ms);
-  EXPECT_LE(moved_ms, kRestMs + kSlackMs);
+  const std::string file = directory_ / "task";
+  double moved_ms = 0.0;
+  const auto is_good = [&] { return moved_ms <= kRestMs + kSlack.count(); };
+  const bool is_measured = OnARunningMachine(
+      kSlack,
+      [&] {
+        std::filesystem::remove(file);
+        ASSERT_NO_FATAL_FAILURE(StartAll({}, {"task_file=" + file}));
+        ASSERT_NO_FATAL_FAILURE(ExpectDriving());
+        Kill("path_follower");
+        moved_ms = MovedForMs();
+        std::printf("follower killed: at rest after %.0f ms\n", moved_ms);
+      },
+      is_good);
+  if (!is_measured) return;
+  EXPECT_TRUE(is_good()) << moved_ms << " ms";
   ASSERT_NO_FATAL_FAILURE(ExpectTheRestLives("path_follower"));
   // It goes on with its task by itself.
-  Start("path_follower", {file});
+  Start("path_follower", {"task_file=" + file});
   ASSERT_NO_FATAL_FAILURE(ExpectDriving());
 }
 
@@ -322,20 +355,20 @@ TEST_F(SimulatorNetworkTest, ASimulatorComesBackAtItsSavedPoseAtRest) {
   const Settings state = {"state_file=" + (directory_ / "state")};
   ASSERT_NO_FATAL_FAILURE(StartAll(state));
   ASSERT_NO_FATAL_FAILURE(ExpectDriving());
-  peer_.For(milliseconds(2500));
+  peer_->For(milliseconds(2500));
   Kill("simulator");
   ASSERT_NO_FATAL_FAILURE(ExpectTheRestLives("simulator"));
-  const truth_t last = peer_.truths.back();
-  const std::size_t num_before = peer_.truths.size();
+  const truth_t last = peer_->truths.back();
+  const std::size_t num_before = peer_->truths.size();
   Start("simulator", state);
   ASSERT_TRUE(
-      peer_.Until([&] { return peer_.truths.size() > num_before + 1; }));
+      peer_->Until([&] { return peer_->truths.size() > num_before + 1; }));
   // Saved once a second, at up to 0.5 m/s.
-  EXPECT_LE(Distance(peer_.truths[num_before], last), 0.55);
-  EXPECT_GT(peer_.truths[num_before].x, 1.6);
+  EXPECT_LE(Distance(peer_->truths[num_before], last), 0.55);
+  EXPECT_GT(peer_->truths[num_before].x, 1.6);
   // From rest at 2 m/s^2: the first answer may come within the first 20 ms. At
   // its speed of before the kill it would go 10 mm.
-  EXPECT_LE(Distance(peer_.truths[num_before], peer_.truths[num_before + 1]),
+  EXPECT_LE(Distance(peer_->truths[num_before], peer_->truths[num_before + 1]),
             0.5 * 2.0 * 0.02 * 0.02);
   ASSERT_NO_FATAL_FAILURE(ExpectDriving());
 }
