@@ -47,9 +47,10 @@ class People {
   // What who walks makes of a robot at X_WR in the `dt` from `seconds` on:
   // steps aside as far as there is room, stops kWaitGap before a robot that
   // still is less than kPassGap beside its way, after kPatienceS gives way
-  // until it is kGiveGap away, and goes on when it is gone. Who goes beside it keeps with it,
-  // and goes around it at kBesideSpeed at most: to the wanted bearing as far as
-  // that is free, else out of what is in the way; meanwhile, closer to it.
+  // until it is kGiveGap away, and goes on when it is gone. Who goes beside it
+  // keeps with it, and goes around it at kBesideSpeed at most: to the wanted
+  // bearing as far as that is free, else out of what is in the way; meanwhile,
+  // closer to it.
   void Meet(double seconds,
             double dt,
             const Pose2& X_WR,
