@@ -33,8 +33,6 @@ const cv::Scalar kPerson(70, 90, 210);
 const cv::Scalar kStart(70, 150, 40);
 const cv::Scalar kPlace(170, 60, 150);
 const cv::Scalar kRoute(200, 170, 120);
-const cv::Scalar kTruthPath(90, 160, 60);     // Wide, so that the other one is
-const cv::Scalar kEstimatePath(200, 60, 30);  // seen on it.
 const cv::Scalar kText(70, 64, 60);
 
 // Drawn twice as large, then halved: OpenCV smooths lines but no areas.
@@ -42,6 +40,25 @@ constexpr int kOversampling = 2;
 constexpr int kShift = 4;  // Bits of a fraction of a pixel.
 constexpr int kMargin = 70;
 constexpr int kMaxPixels = 8000;
+
+struct PathStyle {
+  cv::Scalar color;
+  double pen = 0.0;
+  const char* text = "";
+};
+
+// From wide to narrow, so that one is seen on the other where they agree.
+PathStyle StyleOf(PlanPath::Kind kind) {
+  switch (kind) {
+    case PlanPath::Kind::kDriven:
+      return {{90, 160, 60}, 6.0, "driven (TRUTH)"};
+    case PlanPath::Kind::kDeadReckoning:
+      return {{40, 140, 240}, 3.8, "dead reckoning (ODOMETRY)"};
+    case PlanPath::Kind::kBelieved:
+      break;
+  }
+  return {{200, 60, 30}, 1.2, "believed (POSE)"};
+}
 
 class PlanDrawer {
  public:
@@ -62,9 +79,11 @@ class PlanDrawer {
     const int pixels = std::clamp(options.pixels, 200, kMaxPixels);
     const double side = std::max(box_.sizes().maxCoeff(), 1.0);
     scale_ = kOversampling * (pixels - 2 * kMargin) / side;
-    const Eigen::Vector2d size =
+    Eigen::Vector2d size =
         box_.sizes() * scale_ +
         Eigen::Vector2d::Constant(2.0 * kOversampling * kMargin);
+    legend_height_ = FillLegend(size.x());
+    size.y() += legend_height_;
     image_ = cv::Mat3b(static_cast<int>(size.y()) & ~1,
                        static_cast<int>(size.x()) & ~1,
                        cv::Vec3b(236, 238, 240));
@@ -81,7 +100,9 @@ class PlanDrawer {
     DrawPeople();
     DrawPoses();
     DrawPaths();
-    DrawScaleBar();
+    DrawCoordinates();
+    DrawLegend();
+    DrawTitle();
     cv::Mat3b small;
     cv::resize(image_,
                small,
@@ -96,7 +117,8 @@ class PlanDrawer {
   cv::Point2d At(const Eigen::Vector2d& p) const {
     const double margin = kOversampling * kMargin;
     return {margin + (p.x() - box_.min().x()) * scale_,
-            image_.rows - margin - (p.y() - box_.min().y()) * scale_};
+            image_.rows - legend_height_ - margin -
+                (p.y() - box_.min().y()) * scale_};
   }
   static cv::Point Fixed(const cv::Point2d& p) {
     return {static_cast<int>(std::lround(p.x * (1 << kShift))),
@@ -335,46 +357,164 @@ class PlanDrawer {
 
   void DrawPaths() {
     for (const PlanPath& path : options_.paths) {
+      const PathStyle style = StyleOf(path.kind);
       for (std::size_t i = 1; i < path.points.size(); ++i) {
-        Line(path.points[i - 1],
-             path.points[i],
-             path.is_truth ? kTruthPath : kEstimatePath,
-             path.is_truth ? 3.0 : 1.5);
+        Line(path.points[i - 1], path.points[i], style.color, style.pen);
       }
     }
   }
 
-  void DrawScaleBar() {
-    // 1, 2, 5, 10, ... m, near a fifth of the picture.
-    const double wish = 0.2 * image_.cols / scale_;
-    double length = 1.0;
-    for (const double step : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0}) {
-      if (step <= wish) length = step;
+  // Metres along the lower and the left edge, as far apart as their texts need.
+  void DrawCoordinates() {
+    double step = 1.0;
+    for (const double wider : {2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0}) {
+      if (step * scale_ < 45.0 * kOversampling) step = wider;
     }
-    const double y = image_.rows - 22.0 * kOversampling;
-    const double x = kOversampling * kMargin;
-    for (int i = 0; i < 4; ++i) {
-      const double part = length * scale_ / 4.0;
-      cv::rectangle(image_,
-                    Fixed({x + part * i, y}),
-                    Fixed({x + part * (i + 1), y + 5.0 * kOversampling}),
-                    i % 2 == 0 ? kText : kFloor,
-                    cv::FILLED,
-                    cv::LINE_8,
-                    kShift);
+    const double gap = 6.0 * kOversampling;
+    const double left = At(box_.min()).x - gap;
+    const double bottom = At(box_.min()).y + gap;
+    // "-0" is 0.
+    const auto first = [&](double low) {
+      return std::ceil(low / step) * step + 0.0;
+    };
+    const auto tick = [&](const cv::Point2d& a, const cv::Point2d& b) {
+      cv::line(
+          image_, Fixed(a), Fixed(b), kText, Pen(0.8), cv::LINE_AA, kShift);
+    };
+    for (double x = first(box_.min().x()); x <= box_.max().x(); x += step) {
+      const double at = At({x, box_.min().y()}).x;
+      tick({at, bottom}, {at, bottom + gap});
+      Text(fmt::format("{:g} m", x), {at, bottom + 2.5 * gap}, 0.36, kText);
     }
-    cv::rectangle(image_,
-                  Fixed({x, y}),
-                  Fixed({x + length * scale_, y + 5.0 * kOversampling}),
-                  kText,
-                  Pen(0.7),
-                  cv::LINE_AA,
-                  kShift);
-    Text("0", {x, y - 9.0 * kOversampling}, 0.4, kText);
-    Text(fmt::format("{:g} m", length),
-         {x + length * scale_, y - 9.0 * kOversampling},
-         0.4,
-         kText);
+    for (double y = first(box_.min().y()); y <= box_.max().y(); y += step) {
+      const double at = At({box_.min().x(), y}).y;
+      tick({left - gap, at}, {left, at});
+      Text(fmt::format("{:g} m", y), {left - 4.5 * gap, at}, 0.36, kText);
+    }
+  }
+
+  // ---- legend --------------------------------------------------------------
+
+  struct LegendEntry {
+    enum class Kind { kLine, kArea, kDisc };
+    Kind kind = Kind::kLine;
+    cv::Scalar color;
+    double pen = 2.0;  // Of a line.
+    std::string text;
+    cv::Point2d at;  // Of its sample's left end, below the plan.
+  };
+
+  static constexpr double kLegendRow = 18.0 * kOversampling;
+  static constexpr double kLegendSample = 22.0 * kOversampling;
+  static constexpr double kLegendText = 0.38;
+
+  // What there is in this plan, in rows as wide as the picture; returns the
+  // height of all.
+  double FillLegend(double width) {
+    using Kind = LegendEntry::Kind;
+    const auto add = [&](bool is_there,
+                         Kind kind,
+                         const cv::Scalar& color,
+                         double pen,
+                         const char* text) {
+      if (is_there) legend_.push_back({kind, color, pen, text, {}});
+    };
+    const auto passages = ResolveLayout(world_).passages;
+    add(std::any_of(passages.begin(),
+                    passages.end(),
+                    [](const Passage& p) { return p.door != nullptr; }),
+        Kind::kArea,
+        kDoor,
+        0.0,
+        "door");
+    add(!world_.pillars.empty(), Kind::kArea, kPillar, 0.0, "pillar");
+    add(!world_.furniture.empty(), Kind::kArea, kFurniture, 0.0, "furniture");
+    add(!HangPictures(world_, ResolveLayout(world_)).empty(),
+        Kind::kLine,
+        kPicture,
+        2.0,
+        "on the wall");
+    add(!world_.people.empty(), Kind::kDisc, kPerson, 0.0, "person");
+    add(!world_.starts.empty(), Kind::kDisc, kStart, 0.0, "start");
+    add(!world_.places.empty(), Kind::kDisc, kPlace, 0.0, "place");
+    add(!world_.routes.empty(), Kind::kLine, kRoute, 1.5, "route");
+    for (const PlanPath& path : options_.paths) {
+      const PathStyle style = StyleOf(path.kind);
+      add(!path.points.empty(),
+          Kind::kLine,
+          style.color,
+          style.pen,
+          style.text);
+    }
+    cv::Point2d at(kOversampling * kMargin / 2.0, 0.0);
+    const double left = at.x;
+    for (LegendEntry& entry : legend_) {
+      int baseline = 0;
+      const double text_width = cv::getTextSize(entry.text,
+                                                cv::FONT_HERSHEY_SIMPLEX,
+                                                kLegendText * kOversampling,
+                                                Pen(0.6),
+                                                &baseline)
+                                    .width;
+      const double needed = kLegendSample + text_width + kLegendSample;
+      if (at.x > left && at.x + needed > width - left) {
+        at = {left, at.y + kLegendRow};
+      }
+      entry.at = at;
+      at.x += needed;
+    }
+    return legend_.empty() ? 0.0 : at.y + kLegendRow;
+  }
+
+  void DrawLegend() {
+    const double top = image_.rows - legend_height_ - 4.0 * kOversampling;
+    const double length = 16.0 * kOversampling;
+    for (const LegendEntry& entry : legend_) {
+      const cv::Point2d a = entry.at + cv::Point2d(0.0, top);
+      const cv::Point2d b = a + cv::Point2d(length, 0.0);
+      switch (entry.kind) {
+        case LegendEntry::Kind::kLine:
+          cv::line(image_,
+                   Fixed(a),
+                   Fixed(b),
+                   entry.color,
+                   Pen(entry.pen),
+                   cv::LINE_AA,
+                   kShift);
+          break;
+        case LegendEntry::Kind::kArea:
+          cv::rectangle(image_,
+                        Fixed(a - cv::Point2d(0.0, length / 4.0)),
+                        Fixed(b + cv::Point2d(0.0, length / 4.0)),
+                        entry.color,
+                        cv::FILLED,
+                        cv::LINE_AA,
+                        kShift);
+          break;
+        case LegendEntry::Kind::kDisc:
+          cv::circle(image_,
+                     Fixed((a + b) / 2.0),
+                     static_cast<int>(length / 4.0 * (1 << kShift)),
+                     entry.color,
+                     cv::FILLED,
+                     cv::LINE_AA,
+                     kShift);
+          break;
+      }
+      int baseline = 0;
+      const cv::Size size = cv::getTextSize(entry.text,
+                                            cv::FONT_HERSHEY_SIMPLEX,
+                                            kLegendText * kOversampling,
+                                            Pen(0.6),
+                                            &baseline);
+      Text(entry.text,
+           a + cv::Point2d(kLegendSample + size.width / 2.0, 0.0),
+           kLegendText,
+           kText);
+    }
+  }
+
+  void DrawTitle() {
     Text(world_.name, {image_.cols / 2.0, 28.0 * kOversampling}, 0.6, kText);
   }
 
@@ -384,6 +524,8 @@ class PlanDrawer {
   WalkArea area_;
   Eigen::AlignedBox2d box_;
   double scale_ = 1.0;  // Pixels of image_ per metre.
+  std::vector<LegendEntry> legend_;
+  double legend_height_ = 0.0;
   cv::Mat3b image_;
 };
 

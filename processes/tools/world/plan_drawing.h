@@ -13,8 +13,9 @@ namespace waymark {
 
 // What was driven, or believed to be.
 struct PlanPath {
+  enum class Kind { kDriven, kDeadReckoning, kBelieved };
+  Kind kind = Kind::kBelieved;
   std::vector<Eigen::Vector2d> points;  // W, m.
-  bool is_truth = false;                // Else an estimate.
 };
 
 struct PlanOptions {
@@ -24,8 +25,8 @@ struct PlanOptions {
 };
 
 // North up: floors, walls, doors, furniture, people, starts (arrows), places
-// (pins with names), routes, a bar of metres. `scene`: of the same world, for
-// the outlines of mesh files.
+// (pins with names), routes, metres along the edges, and a legend of what there
+// is. `scene`: of the same world, for the outlines of mesh files.
 [[nodiscard]] cv::Mat3b DrawPlan(const World& world,
                                  const Scene& scene,
                                  const PlanOptions& options);

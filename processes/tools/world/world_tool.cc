@@ -32,6 +32,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -208,27 +209,48 @@ void Render(const Request& request) {
   }
 }
 
-// TRUTH wide below POSE; lost or unknown poses make no gap.
+// Lost or unknown poses make no gap. ODOMETRY knows only how it moved since its
+// first message: it begins where the robot was then, by TRUTH or else by POSE.
 std::vector<PlanPath> PathsOf(const std::string& log) {
-  PlanPath truth;
-  truth.is_truth = true;
-  PlanPath estimate;
+  PlanPath truth{PlanPath::Kind::kDriven, {}};
+  PlanPath odometry{PlanPath::Kind::kDeadReckoning, {}};
+  PlanPath estimate{PlanPath::Kind::kBelieved, {}};
+  std::vector<Pose2> X_OR;
+  std::optional<Pose2> first_truth;
+  std::optional<Pose2> first_estimate;
   LogReader reader(log);
   while (const auto event = reader.Next()) {
     if (event->channel == kTruth) {
       const auto message = DecodeMessage<truth_t>(event->data);
-      if (message) truth.points.emplace_back(message->x, message->y);
-    } else if (event->channel == kPose) {
-      const auto message = DecodeMessage<pose_t>(event->data);
-      if (message && message->is_known != 0) {
-        estimate.points.emplace_back(message->pose_W[0], message->pose_W[1]);
+      if (!message) continue;
+      truth.points.emplace_back(message->x, message->y);
+      if (!first_truth && message->has_heading != 0) {
+        first_truth = Pose2{message->x, message->y, message->heading};
       }
+    } else if (event->channel == kPose || event->channel == kOdometry) {
+      const auto message = DecodeMessage<pose_t>(event->data);
+      if (!message || message->is_known == 0) continue;
+      const Pose2 pose = Pose2::FromVector(
+          {message->pose_W[0], message->pose_W[1], message->pose_W[2]});
+      if (event->channel == kOdometry) {
+        X_OR.push_back(pose);
+        continue;
+      }
+      estimate.points.push_back(pose.position());
+      if (!first_estimate) first_estimate = pose;
     }
   }
   if (truth.points.empty() && estimate.points.empty()) {
     throw InputError(log + ": has neither TRUTH nor POSE");
   }
-  return {truth, estimate};
+  const auto start = first_truth ? first_truth : first_estimate;
+  if (start && !X_OR.empty()) {
+    const Pose2 X_WO = *start * Inverse(X_OR.front());
+    for (const Pose2& pose : X_OR) {
+      odometry.points.push_back((X_WO * pose).position());
+    }
+  }
+  return {truth, odometry, estimate};
 }
 
 std::string Degrees(double heading) {
@@ -377,7 +399,8 @@ void AddPlan(CLI::App* app, Request* request) {
       ->capture_default_str();
   command->add_option("--log",
                       request->log,
-                      "Draw TRUTH (green) and POSE (blue) of this LCM log too");
+                      "Draw the paths of this LCM log too: TRUTH (green), "
+                      "ODOMETRY (orange), POSE (blue)");
   command->callback([request] { Plan(*request); });
 }
 

@@ -148,18 +148,46 @@ TEST(PlanDrawing, ShowsFloorsWallsAndPeopleToScale) {
   PlanOptions options;
   options.pixels = 640;
   const cv::Mat3b plan = DrawPlan(world, BuildScene(world), options);
-  // 5 x 4 m with 70 pixels around: 100 pixels a metre, north up.
+  // 5 x 4 m with 70 pixels around: 100 pixels a metre, north up; below it a
+  // legend of one row.
   ASSERT_EQ(plan.cols, 640);
-  ASSERT_EQ(plan.rows, 540);
+  ASSERT_EQ(plan.rows, 558);
   const auto at = [&](double x, double y) {
     return plan(static_cast<int>(470 - 100 * y),
                 static_cast<int>(70 + 100 * x));
   };
   EXPECT_EQ(at(2.55, 3.55), cv::Vec3b(255, 255, 255));  // Floor.
-  EXPECT_EQ(at(-0.3, 2.0), cv::Vec3b(236, 238, 240));   // Outside.
+  EXPECT_EQ(at(-0.6, 2.6), cv::Vec3b(236, 238, 240));   // Outside.
   EXPECT_LT(at(0.0, 3.0)[0], 120);                      // Wall.
   EXPECT_EQ(at(3.1, 2.1), cv::Vec3b(70, 90, 210));      // The person.
   EXPECT_EQ(at(1.05, 2.0), cv::Vec3b(70, 150, 40));     // The start.
+}
+
+// Metres along the edges, and below them what the colours mean: of what there
+// is alone.
+TEST(PlanDrawing, HasCoordinatesAndALegend) {
+  const World world = WorldFromYaml(kYaml, "w.yaml");
+  PlanOptions options;
+  options.pixels = 640;
+  const cv::Mat3b bare = DrawPlan(world, BuildScene(world), options);
+  options.paths = {{PlanPath::Kind::kDriven, {{1.0, 1.0}, {2.0, 1.0}}},
+                   {PlanPath::Kind::kDeadReckoning, {}}};
+  const cv::Mat3b plan = DrawPlan(world, BuildScene(world), options);
+  const auto num_of = [](const cv::Mat3b& image, const cv::Vec3b& color) {
+    cv::Mat1b is_it;
+    cv::inRange(image, color, color, is_it);
+    return cv::countNonZero(is_it);
+  };
+  const auto legend = [](const cv::Mat3b& image) {
+    return image.rowRange(image.rows - 22, image.rows);
+  };
+  EXPECT_GT(num_of(legend(bare), {70, 90, 210}), 20);  // The person.
+  EXPECT_EQ(num_of(legend(bare), {90, 160, 60}), 0);
+  EXPECT_GT(num_of(legend(plan), {90, 160, 60}), 20);  // The way driven,
+  EXPECT_EQ(num_of(legend(plan), {40, 140, 240}), 0);  // nothing else.
+  // The tick at x = 2 m, six pixels below the wall: 70 + 100 * 2 px.
+  EXPECT_LT(bare(470 + 9, 270)[0], 200);
+  EXPECT_EQ(bare(470 + 9, 220)[0], 236);
 }
 
 TEST(Exposure, CountsWhatIsBurntAndBlack) {
