@@ -22,7 +22,8 @@ usage: ./run demo drive [--world NAME] [--route NAME] [--keyboard]
 A simulated robot in a simulated building, live over LCM: camera, wheels,
 sonar, collision guard, pose filter, recorder. It drives along way-points on
 what its pose filter believes, then what happened is evaluated:
-FOLDER/drive.html, a plan with both paths (FOLDER/drive.png) and the recording.
+FOLDER/drive.html shows errors, pictures and the plan with what it drove and
+what it believed (FOLDER/drive.png too), FOLDER/drive.lcm is the recording.
 
   --world NAME   world, by name or file ($world); waymark-world knows them
   --route NAME   one of the world's routes, to its end and back (its first)
@@ -140,10 +141,11 @@ camera_line() {
 
 say ""
 camera_line
-"$bin/waymark-log" report "$log" --out "$out/drive.html" --force
 "$bin/waymark-world" plan "$world" --log "$log" --out "$out/drive.png" --force
+"$bin/waymark-log" report "$log" --out "$out/drive.html" --force \
+  --picture "$out/drive.png" "The plan, with the paths"
 say ""
-say "report:  $out/drive.html"
-say "plan:    $out/drive.png   (driven: green; believed: blue)"
+say "report:  $out/drive.html   (errors, plan, pictures)"
+say "plan:    $out/drive.png"
 say "log:     $log   (./run waymark-log info LOG)"
 exit "$status"

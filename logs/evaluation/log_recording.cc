@@ -3,10 +3,12 @@
 #include "estimation/filter/encoder_counter.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
+#include "processes/support/decode.h"
 
 #include <waymark/bot_pose_t.hpp>
 #include <waymark/config_t.hpp>
 #include <waymark/encoders_t.hpp>
+#include <waymark/image_t.hpp>
 #include <waymark/odometry_parameters_t.hpp>
 #include <waymark/planar_lidar_t.hpp>
 #include <waymark/pose_t.hpp>
@@ -52,6 +54,52 @@ LatencySummary SummariseLatency(std::vector<double> ms) {
   return summary;
 }
 
+// Keeps some of a stream of images, evenly spaced, without knowing its length:
+// each k-th, and whenever there are too many of them, each second of those.
+class SomeImages {
+ public:
+  void Add(image_t message) {
+    if (num_++ % stride_ == 0) {
+      kept_.push_back(std::move(message));
+    } else {
+      last_ = std::move(message);
+    }
+    if (kept_.size() <= kMaxKept) return;
+    for (std::size_t i = 0; 2 * i < kept_.size(); ++i) {
+      if (i > 0) kept_[i] = std::move(kept_[2 * i]);
+    }
+    kept_.resize((kept_.size() + 1) / 2);
+    stride_ *= 2;
+  }
+
+  // As many as a row of pictures has, from the first to the last.
+  void Finish(const std::string& channel,
+              std::vector<RecordedPicture>* pictures) {
+    if (last_ && (kept_.empty() || kept_.back().utime < last_->utime)) {
+      kept_.push_back(std::move(*last_));
+    }
+    const std::size_t num_shown = std::min(kept_.size(), kNumShown);
+    for (std::size_t i = 0; i < num_shown; ++i) {
+      const std::size_t at =
+          num_shown < 2 ? 0 : i * (kept_.size() - 1) / (num_shown - 1);
+      std::string reason;
+      auto file = ImageFileFromMessage(kept_[at], &reason);
+      if (!file) continue;
+      pictures->push_back(
+          {channel, TimeFromMicroseconds(kept_[at].utime), std::move(*file)});
+    }
+  }
+
+ private:
+  static constexpr std::size_t kNumShown = 6;
+  // Enough that what is shown lies at equal distances.
+  static constexpr std::size_t kMaxKept = 32;
+  std::vector<image_t> kept_;
+  std::optional<image_t> last_;
+  std::int64_t num_ = 0;
+  std::int64_t stride_ = 1;
+};
+
 // Collects one recording event by event.
 class Collector {
  public:
@@ -78,6 +126,9 @@ class Collector {
       if (span > 0.0 && num > 1) {
         health.rate_hz = static_cast<double>(num - 1) / span;
       }
+    }
+    for (auto& [channel, images] : images_) {
+      images.Finish(channel, &recording_.pictures);
     }
     // Offline, outputs carry their inputs' log time: latency is absent.
     bool is_live = false;
@@ -111,6 +162,11 @@ class Collector {
     if (channel == kConfig) return Take<config_t>(event);
     if (channel == kPoseBot) return Take<bot_pose_t>(event);
     if (channel == kRanges) return Take<planar_lidar_t>(event);
+    if (channel.starts_with(kImagePrefix)) {
+      // Others name their channels so too.
+      auto image = DecodeMessage<image_t>(event.data);
+      if (image) images_[channel].Add(std::move(*image));
+    }
     return false;
   }
 
@@ -294,6 +350,7 @@ class Collector {
   std::int64_t right_ = 0;  // Since the first reading.
   std::int64_t left_ = 0;
   std::map<std::string, Cadence> cadences_;
+  std::map<std::string, SomeImages> images_;
   // Key: channel, sender.
   std::map<std::pair<std::string, std::string>, std::int64_t> sequences_;
   std::map<std::int64_t, Time> input_times_;              // utime to log time.

@@ -5,6 +5,7 @@
 #include "estimation/filter/measurement_types.h"
 #include "logs/evaluation/dead_reckoning.h"
 #include "logs/evaluation/trajectory_types.h"
+#include "processes/convert/image_convert.h"
 #include "processes/support/log_file.h"
 
 #include <cstdint>
@@ -46,6 +47,13 @@ struct ProcessHealth {
   std::vector<std::string> faults;               // Different ones, in order.
 };
 
+// An image of a camera, as a file of its own.
+struct RecordedPicture {
+  std::string channel;
+  Time time;
+  ImageFile file;
+};
+
 struct LogRecording {
   std::string path;
   LogReadReport read_report;
@@ -67,6 +75,10 @@ struct LogRecording {
   // Why a source had no answer, where it said so last.
   std::map<std::string, std::string> parameters_missing;
   std::optional<SensorCalibration> sensor;  // Newest of source "batch".
+
+  // A few of each camera's, from its first to its last image, in order; by
+  // channel.
+  std::vector<RecordedPicture> pictures;
 
   std::map<std::string, ChannelHealth> channels;
   std::map<std::string, LatencySummary> latency;  // Empty offline.

@@ -10,6 +10,9 @@
 
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -136,6 +139,7 @@ void AddReportCommand(CLI::App* app, int* exit_code) {
   (void)exit_code;
   struct Options {
     std::vector<std::string> logs;
+    std::vector<std::pair<std::string, std::string>> pictures;
     Outputs outputs;
     ScoreOptions score;
   };
@@ -147,6 +151,12 @@ void AddReportCommand(CLI::App* app, int* exit_code) {
   command->add_option("LOG", options->logs, "LCM logs, a section each")
       ->required();
   command->add_option("--out", options->outputs.page, "The page")->required();
+  command
+      ->add_option("--picture",
+                   options->pictures,
+                   "A .png or .jpg to show above all, such as a plan, and its "
+                   "caption; may be repeated")
+      ->type_name("FILE CAPTION");
   command->add_option("--json",
                       options->outputs.json,
                       "Write the evaluations as a JSON list too; - instead of "
@@ -156,13 +166,17 @@ void AddReportCommand(CLI::App* app, int* exit_code) {
   command->callback([options] {
     const Outputs& outputs = options->outputs;
     outputs.Check(options->logs);
+    std::vector<ReportPicture> pictures;
+    for (const auto& [file, caption] : options->pictures) {
+      pictures.push_back(LoadReportPicture(file, caption));
+    }
     std::vector<LogEvaluation> evaluations;
     nlohmann::json list = nlohmann::json::array();
     for (const std::string& log : options->logs) {
       evaluations.push_back(EvaluateFiles({log}, options->score));
       list.push_back(JsonOf(evaluations.back()));
     }
-    outputs.Write(outputs.page, HtmlReport(evaluations));
+    outputs.Write(outputs.page, HtmlReport(evaluations, pictures));
     if (!outputs.json.empty()) outputs.Write(outputs.json, Dump(list));
     if (outputs.json != "-") outputs.Write("-", SummaryTableOf(evaluations));
   });

@@ -1,5 +1,7 @@
 #include "logs/report/html_report.h"
 
+#include "estimation/base/input_error.h"
+#include "estimation/base/whole_file.h"
 #include "estimation/geometry/angle.h"
 #include "logs/evaluation/evaluation_text.h"
 #include "logs/report/evaluation_plots.h"
@@ -9,6 +11,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace waymark {
@@ -37,6 +41,45 @@ std::string Table(const std::vector<std::vector<Cell>>& rows) {
                       Row("th", rows.front()) + "</thead>\n<tbody>";
   for (std::size_t i = 1; i < rows.size(); ++i) table += Row("td", rows[i]);
   return table + "</tbody></table></div>\n";
+}
+
+std::string Base64(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = bits << 8 | (i + k < bytes.size() ? bytes[i + k] : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool is_there = i + k <= bytes.size();
+      text += is_there ? kDigits[bits >> (18 - 6 * k) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+std::string FigureOf(const std::string& caption, const ImageFile& file) {
+  const std::string text = EscapeHtml(caption);
+  return "<figure>\n<figcaption>" + text + "</figcaption>\n<img alt=\"" + text +
+         "\" src=\"data:image/" + (file.extension == ".png" ? "png" : "jpeg") +
+         ";base64," + Base64(file.bytes) + "\"/>\n</figure>\n";
+}
+
+// What the cameras saw, a row for each.
+std::string PicturesOf(const LogRecording& recording) {
+  if (recording.pictures.empty()) return "";
+  const Time start = recording.pictures.front().time;
+  std::string text = "<h3>Pictures</h3>\n<div class=\"plots three\">\n";
+  for (const RecordedPicture& picture : recording.pictures) {
+    text += FigureOf(
+        fmt::format(
+            "{}, {:.1f} s", picture.channel, Seconds(picture.time - start)),
+        picture.file);
+  }
+  return text + "</div>\n";
 }
 
 std::string Percent(double share) {
@@ -324,6 +367,7 @@ std::string Section(const LogEvaluation& evaluation, std::size_t index) {
     text += FigureOf(HeadingErrorPlot(evaluation));
   }
   text += FigureOf(NeesPlot(evaluation)) + "</div>\n";
+  text += PicturesOf(recording);
   text += ParametersTable(evaluation);
   if (!evaluation.parameters.empty()) {
     text += "<div class=\"plots three\">\n";
@@ -347,7 +391,21 @@ constexpr const char* kDefinitions = R"(<section>
 
 }  // namespace
 
-std::string HtmlReport(std::span<const LogEvaluation> evaluations) {
+ReportPicture LoadReportPicture(const std::string& path,
+                                const std::string& caption) {
+  constexpr std::size_t kMaxBytes = std::size_t{20} << 20;
+  const std::string bytes = ReadWholeFile(path, kMaxBytes);
+  std::string extension;
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) extension = ".png";
+  if (bytes.starts_with("\xff\xd8\xff")) extension = ".jpg";
+  if (extension.empty()) {
+    throw InputError(path + ": is neither a PNG nor a JPEG");
+  }
+  return {caption, {extension, {bytes.begin(), bytes.end()}}};
+}
+
+std::string HtmlReport(std::span<const LogEvaluation> evaluations,
+                       std::span<const ReportPicture> pictures) {
   std::string version;
   for (const LogEvaluation& evaluation : evaluations) {
     if (version.empty()) version = evaluation.recording.version;
@@ -373,8 +431,13 @@ std::string HtmlReport(std::span<const LogEvaluation> evaluations) {
     }
     page += "</nav>\n";
   }
-  page += "</header>\n<main>\n<section>\n" + SummaryTable(evaluations) +
-          "</section>\n";
+  page += "</header>\n<main>\n<section>\n" + SummaryTable(evaluations);
+  if (!pictures.empty()) page += "<div class=\"plots wide\">\n";
+  for (const ReportPicture& picture : pictures) {
+    page += FigureOf(picture.caption, picture.file);
+  }
+  if (!pictures.empty()) page += "</div>\n";
+  page += "</section>\n";
   for (std::size_t i = 0; i < evaluations.size(); ++i) {
     page += Section(evaluations[i], i);
   }

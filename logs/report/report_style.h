@@ -71,7 +71,8 @@ figcaption { font-weight: 600; margin-bottom: 4px; }
   margin: 0 0 6px; padding: 0; font-size: 13px; color: var(--soft); }
 .legend svg { width: 22px; height: 10px; margin-right: 5px;
   display: inline-block; }
-figure > svg { width: 100%; height: auto; display: block; }
+.wide { grid-template-columns: 1fr; }
+figure > svg, figure > img { width: 100%; height: auto; display: block; }
 .grid { stroke: var(--rule); stroke-width: 1; }
 .frame { fill: none; stroke: var(--soft); stroke-width: 1; }
 .tick { font-size: 11.5px; fill: var(--soft); }

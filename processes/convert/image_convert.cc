@@ -300,6 +300,21 @@ std::optional<cv::Mat> ImageFromMessage(const image_t& message,
              : CopyRaw(message, color, reason);
 }
 
+std::optional<ImageFile> ImageFileFromMessage(const image_t& message,
+                                              std::string* reason) {
+  const auto image = ImageFromMessage(message, ImageColor::kAsSent, reason);
+  if (!image) return std::nullopt;
+  if (message.pixelformat == image_t::PIXEL_FORMAT_MJPEG) {
+    return ImageFile{".jpg", message.data};
+  }
+  ImageFile file{".png", {}};
+  if (!cv::imencode(file.extension, *image, file.bytes)) {
+    Refuse(reason, "data: cannot be written as PNG");
+    return std::nullopt;
+  }
+  return file;
+}
+
 std::optional<ImageTags> TagsFromMessage(const image_t& message,
                                          std::string* reason) {
   std::optional<std::uint64_t> seq;

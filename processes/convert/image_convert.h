@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace waymark {
 
@@ -79,6 +80,17 @@ enum class ImageColor { kAsSent, kGray, kBgr };
 [[nodiscard]] std::optional<cv::Mat> ImageFromMessage(const image_t& message,
                                                       ImageColor color,
                                                       std::string* reason);
+
+// The image as a file, to look at.
+struct ImageFile {
+  std::string extension;  // ".jpg": as it was sent; ".png": it was sent raw.
+  std::vector<std::uint8_t> bytes;
+};
+
+// Returns nullopt and sets *reason where ImageFromMessage() does. `reason` must
+// not be null.
+[[nodiscard]] std::optional<ImageFile> ImageFileFromMessage(
+    const image_t& message, std::string* reason);
 
 // Returns nullopt and sets *reason where the time is not positive, or seq, pan
 // or tilt is not eight bytes, or an angle not finite; pan and tilt come

@@ -88,7 +88,8 @@ TEST_F(DemoTest, DrivesASimulatedRobotAndWritesReportPlanAndRecording) {
   }
   std::ostringstream report;
   report << std::ifstream(out / "drive.html").rdbuf();
-  EXPECT_THAT(report.str(), HasSubstr("IMAGE_FRONT"));
+  EXPECT_THAT(report.str(), HasSubstr("alt=\"The plan, with the paths\""));
+  EXPECT_THAT(report.str(), HasSubstr("alt=\"IMAGE_FRONT, 0.0 s\""));
   const ChildResult info = RunChild(
       {BuildPath("bin/waymark-log"), "info", (out / "drive.lcm").string()});
   ASSERT_EQ(info.exit_code, 0) << info.err;

@@ -1,7 +1,12 @@
 #include "logs/report/html_report.h"
 
+#include "estimation/base/input_error.h"
 #include "logs/report/svg_plot.h"
+#include "processes/support/log_file.h"
+#include "processes/support/output_file.h"
 #include "tests/logs/evaluation/synthetic_log.h"
+
+#include <waymark/encoders_t.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -63,7 +68,7 @@ TEST(HtmlReport, IsWellFormedAndStandsAlone) {
       Evaluate({}, "html_report_test_1"),
       Evaluate({.has_truth = false}, "html_report_test_2"),
       Evaluate({.has_estimates = false}, "html_report_test_3")};
-  const std::string page = HtmlReport(evaluations);
+  const std::string page = HtmlReport(evaluations, {});
   EXPECT_EQ(NestingMistake(page), "");
   EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
   for (const char* outside : {"http:",
@@ -83,7 +88,7 @@ TEST(HtmlReport, IsWellFormedAndStandsAlone) {
 
 TEST(HtmlReport, HasAllSections) {
   const LogEvaluation evaluation = Evaluate({}, "html_report_test_4");
-  const std::string page = HtmlReport({&evaluation, 1});
+  const std::string page = HtmlReport({&evaluation, 1}, {});
   for (const char* text : {"Summary",
                            "reference-aided",
                            ">Path<",
@@ -110,16 +115,78 @@ TEST(HtmlReport, HasAllSections) {
   EXPECT_THAT(page, HasSubstr("&lt;b&gt;&amp;"));
 }
 
+TEST(HtmlReport, ShowsWhatTheCameraSawAndTheGivenPictures) {
+  const std::string path =
+      (std::filesystem::path(testing::TempDir()) / "html_report_test_6.lcm")
+          .string();
+  ImageEncoder encoder({});
+  std::string reason;
+  {
+    LogWriter writer(path, IfExists::kReplace);
+    for (int i = 0; i < 101; ++i) {
+      const cv::Mat1b image(4, 6, static_cast<std::uint8_t>(2 * i));
+      ImageTags tags;
+      tags.time = TimeFromMicroseconds(1'700'000'000'000'000 + 100'000 * i);
+      writer.Write("IMAGE_FRONT", *encoder.Encode(image, tags, &reason));
+    }
+    // Others name their channels so too.
+    writer.Write("IMAGE_OF_OTHERS", encoders_t{});
+    writer.Close();
+  }
+  const LogEvaluation evaluation =
+      EvaluateRecording(ReadRecording({&path, 1}), {});
+  std::filesystem::remove(path);
+  const std::string page =
+      HtmlReport({&evaluation, 1}, {{{"A <plan>", {".png", {0xff, 0xee}}}}});
+  EXPECT_EQ(NestingMistake(page), "");
+  EXPECT_THAT(page,
+              HasSubstr("alt=\"A &lt;plan&gt;\" "
+                        "src=\"data:image/png;base64,/+4=\""));
+  // From the first to the last, at equal distances.
+  for (const char* caption : {">IMAGE_FRONT, 0.0 s<",
+                              ">IMAGE_FRONT, 2.0 s<",
+                              ">IMAGE_FRONT, 4.0 s<",
+                              ">IMAGE_FRONT, 8.0 s<",
+                              ">IMAGE_FRONT, 10.0 s<"}) {
+    EXPECT_THAT(page, HasSubstr(caption));
+  }
+  EXPECT_THAT(page, HasSubstr("src=\"data:image/jpeg;base64,/9j/"));
+  // Nothing may be fetched.
+  for (std::size_t at = 0; (at = page.find("src=", at)) != std::string::npos;
+       ++at) {
+    EXPECT_TRUE(page.substr(at).starts_with("src=\"data:image/"));
+  }
+}
+
+TEST(LoadReportPicture, RefusesWhatIsNoPicture) {
+  const std::string path =
+      (std::filesystem::path(testing::TempDir()) / "html_report_test_7.png")
+          .string();
+  EXPECT_THROW((void)LoadReportPicture(path, ""), InputError);
+  {
+    OutputFile file(path, IfExists::kReplace);
+    file.Write("GIF89a");
+    file.Close();
+  }
+  try {
+    (void)LoadReportPicture(path, "");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.what(), path + ": is neither a PNG nor a JPEG");
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(HtmlReport, SameEvaluationSameBytes) {
   const LogEvaluation a = Evaluate({}, "html_report_test_5");
   const LogEvaluation b = Evaluate({}, "html_report_test_5");
-  EXPECT_EQ(HtmlReport({&a, 1}), HtmlReport({&b, 1}));
+  EXPECT_EQ(HtmlReport({&a, 1}, {}), HtmlReport({&b, 1}, {}));
 }
 
 TEST(HtmlReport, NothingToShowIsStillAPage) {
-  EXPECT_EQ(NestingMistake(HtmlReport({})), "");
+  EXPECT_EQ(NestingMistake(HtmlReport({}, {})), "");
   const LogEvaluation empty = EvaluateRecording({}, {});
-  const std::string page = HtmlReport({&empty, 1});
+  const std::string page = HtmlReport({&empty, 1}, {});
   EXPECT_EQ(NestingMistake(page), "");
   EXPECT_THAT(page, HasSubstr("No TRUTH in the log"));
   EXPECT_THAT(page, HasSubstr("no data"));
