@@ -7,10 +7,10 @@
 #include "processes/convert/motion_convert.h"
 #include "processes/convert/world_file.h"
 #include "processes/simulator/robot_state_file.h"
+#include "processes/simulator/simulator_messages.h"
 #include "processes/support/channels.h"
 
 #include <waymark/base_status_t.hpp>
-#include <waymark/camera_info_t.hpp>
 #include <waymark/encoders_t.hpp>
 #include <waymark/planar_lidar_t.hpp>
 #include <waymark/truth_t.hpp>
@@ -28,7 +28,6 @@ namespace {
 
 // Half the height of what a planar sensor sees, m: a beam has a width.
 constexpr double kHalfPlane = 0.01;
-constexpr std::string_view kSource = "simulator";
 constexpr Duration kInfoPeriod = std::chrono::seconds(1);
 constexpr Duration kSavePeriod = std::chrono::seconds(1);
 // Simulated time that may pass before a saved state is on disk, where it goes
@@ -154,12 +153,11 @@ void SimulatorProcess::AddCamera(const SimulatedCameraConfig& config) {
                  scene_.mesh.triangles.size());
     renderer_ = std::make_unique<Renderer>(scene_, options);
   }
-  Camera camera;
-  camera.rig = std::make_unique<CameraRig>(
-      config, renderer_.get(), static_cast<std::uint64_t>(config_.seed));
-  bus_->Advertise<image_t>(camera.rig->image_channel());
-  bus_->Advertise<camera_info_t>(camera.rig->info_channel());
-  cameras_.push_back(std::move(camera));
+  cameras_.emplace_back(config,
+                        renderer_.get(),
+                        static_cast<std::uint64_t>(config_.seed),
+                        bus_,
+                        IsLive());
 }
 
 Simulation SimulatorProcess::MakeSimulation(Time start) const {
@@ -169,8 +167,8 @@ Simulation SimulatorProcess::MakeSimulation(Time start) const {
   options.truth_rate_hz = config_.encoder_rate_hz;
   options.status_rate_hz = config_.status_rate_hz;
   options.ranges = range_options_;
-  for (const Camera& camera : cameras_) {
-    options.cameras.push_back(camera.rig->timing());
+  for (const CameraFeed& camera : cameras_) {
+    options.cameras.push_back(camera.timing());
   }
   options.person_radius = kPersonRadius;
   options.start_time = start;
@@ -194,9 +192,12 @@ Simulation SimulatorProcess::MakeSimulation(Time start) const {
 
 // ---- time ------------------------------------------------------------------
 
+bool SimulatorProcess::IsLive() const {
+  return config_.pace == Pace::kRealTime && !bus_->is_offline();
+}
+
 Time SimulatorProcess::StartTime(Time now) const {
-  const bool is_live = config_.pace == Pace::kRealTime && !bus_->is_offline();
-  const Time start = is_live ? now - kTimerSlack : now;
+  const Time start = IsLive() ? now - kTimerSlack : now;
   if (!saved_time_ || *saved_time_ < start) return start;
   spdlog::info("goes on {:.1f} s ahead of the clock, where it was",
                Seconds(*saved_time_ - now));
@@ -262,7 +263,7 @@ void SimulatorProcess::OnHead(const pan_tilt_t& message) {
 
 void SimulatorProcess::AdvanceTo(Time simulated) {
   Publish(simulation_->AdvanceTo(std::max(simulated, simulation_->now())));
-  PublishImages(simulated);
+  for (CameraFeed& camera : cameras_) camera.PublishImages(simulated);
   PublishCameraInfo(simulated);
   if (!save_time_ || simulated - *save_time_ >= kSavePeriod) {
     save_time_ = simulated;
@@ -287,11 +288,11 @@ Duration SimulatorProcess::SaveLead() const {
 void SimulatorProcess::Finish() {
   SaveState(Duration(0));
   saver_.Flush();
-  for (const Camera& camera : cameras_) {
+  for (const CameraFeed& camera : cameras_) {
     spdlog::info("{}: {} images sent, {} left out",
-                 camera.rig->image_channel(),
-                 camera.num_sent,
-                 camera.num_missed);
+                 camera.image_channel(),
+                 camera.num_sent(),
+                 camera.num_missed());
   }
   ShowFault(bus_->now());
 }
@@ -302,10 +303,7 @@ void SimulatorProcess::ShowFault(Time now) {
     if (text.empty()) return;
     fault += (fault.empty() ? "" : "; ") + text;
   };
-  const auto is_recent = [&](const std::optional<Time>& time) {
-    return time && now - *time < kRecent;
-  };
-  if (is_recent(lost_time_)) {
+  if (lost_time_ && now - *lost_time_ < kRecent) {
     add(
         fmt::format("lost {:.2f} s in all: this machine stood still, or is too "
                     "slow for time.speed",
@@ -316,15 +314,8 @@ void SimulatorProcess::ShowFault(Time now) {
                     num_unanswered_,
                     config_.answer_timeout_s));
   }
-  for (const Camera& camera : cameras_) {
-    if (is_recent(camera.missed_time)) {
-      add(
-          fmt::format("{}: {} images not drawn: this machine is too slow for "
-                      "their rate",
-                      camera.rig->image_channel(),
-                      camera.num_missed));
-    }
-    add(camera.fault);
+  for (const CameraFeed& camera : cameras_) {
+    for (const std::string& text : camera.Faults(now - kRecent)) add(text);
   }
   add(saver_.fault());  // A full disk is no reason to stop.
   bus_->SetFault(fault);
@@ -332,123 +323,37 @@ void SimulatorProcess::ShowFault(Time now) {
 
 // ---- messages --------------------------------------------------------------
 
-void SimulatorProcess::Publish(const std::vector<SimulationEvent>& events) {
-  // ENCODERS of one time come last: who answers them has seen the rest.
-  for (std::size_t begin = 0; begin < events.size();) {
-    std::size_t end = begin;
-    while (end < events.size() &&
-           TimeOf(events[end]) == TimeOf(events[begin])) {
-      ++end;
-    }
-    for (const bool encoders : {false, true}) {
-      for (std::size_t i = begin; i < end; ++i) {
-        std::visit(
-            [&](const auto& event) {
-              constexpr bool kIsEncoders =
-                  std::is_same_v<std::decay_t<decltype(event)>, EncoderEvent>;
-              if constexpr (std::is_same_v<std::decay_t<decltype(event)>,
-                                           CameraEvent>) {
-                if (!encoders) Expose(event);
-              } else if (kIsEncoders == encoders) {
-                Publish(event);
-              }
-            },
-            events[i]);
-      }
-    }
-    begin = end;
+void SimulatorProcess::Publish(std::vector<SimulationEvent> events) {
+  SortForSending(&events);
+  for (const SimulationEvent& event : events) {
+    std::visit([this](const auto& e) { Publish(e); }, event);
   }
 }
 
 void SimulatorProcess::Publish(const EncoderEvent& event) {
-  encoders_t message{};
-  message.utime = Microseconds(event.time);
-  message.seq = static_cast<std::int32_t>(encoders_seq_++);
-  message.left_ticks = event.left_ticks;
-  message.right_ticks = event.right_ticks;
-  bus_->Publish(kEncoders, message);
+  bus_->Publish(kEncoders, ToMessage(event, encoders_seq_++));
 }
 
 void SimulatorProcess::Publish(const RangeEvent& event) {
-  planar_lidar_t message{};
-  message.utime = Microseconds(event.time);
-  message.nranges = static_cast<std::int32_t>(event.ranges.size());
-  message.ranges = event.ranges;
-  message.rad0 = static_cast<float>(range_options_->first_bearing);
-  message.radstep = static_cast<float>(range_options_->bearing_step);
-  bus_->Publish(kRanges, message);
+  bus_->Publish(kRanges, ToMessage(event, *range_options_));
 }
 
 void SimulatorProcess::Publish(const BaseEvent& event) {
-  base_status_t message{};
-  message.utime = Microseconds(event.time);
-  message.seq = static_cast<std::int32_t>(base_seq_++);
-  message.is_bumper_left = event.is_left_bumper_pressed;
-  message.is_bumper_right = event.is_right_bumper_pressed;
-  message.is_command_current = event.is_command_current;
-  message.num_contacts = static_cast<std::int32_t>(event.num_touches);
-  message.num_timeouts = static_cast<std::int32_t>(event.num_timeouts);
-  bus_->Publish(kBase, message);
+  bus_->Publish(kBase, ToMessage(event, base_seq_++));
 }
 
 void SimulatorProcess::Publish(const TruthEvent& event) {
-  truth_t message{};
-  message.utime = Microseconds(event.time);
-  message.seq = static_cast<std::int32_t>(truth_seq_++);
-  message.source = kSource;
-  message.has_heading = 1;
-  message.x = event.X_WR.x;
-  message.y = event.X_WR.y;
-  message.heading = event.X_WR.heading;
-  bus_->Publish(kTruth, message);
+  bus_->Publish(kTruth, ToMessage(event, truth_seq_++));
 }
 
-// ---- images ----------------------------------------------------------------
-
-void SimulatorProcess::Expose(const CameraEvent& event) {
-  Camera& camera = cameras_[static_cast<std::size_t>(event.camera)];
-  // Live, an image is drawn in a thread of its own while wheels and sonar go
-  // on; otherwise when it arrives, and whatever that takes.
-  const bool is_live = config_.pace == Pace::kRealTime && !bus_->is_offline();
-  if (is_live && !camera.pending.empty() &&
-      camera.pending.back().shot.wait_for(std::chrono::seconds(0)) !=
-          std::future_status::ready) {
-    ++camera.num_missed;
-    camera.missed_time = bus_->now();
-    return;
-  }
-  camera.pending.push_back(
-      {event.frame.arrival,
-       std::async(
-           is_live ? std::launch::async : std::launch::deferred,
-           [rig = camera.rig.get(), event] { return rig->Expose(event); })});
-}
-
-void SimulatorProcess::PublishImages(Time simulated) {
-  for (Camera& camera : cameras_) {
-    while (!camera.pending.empty()) {
-      Pending& next = camera.pending.front();
-      if (next.arrival > simulated || next.shot.wait_for(std::chrono::seconds(
-                                          0)) == std::future_status::timeout) {
-        break;
-      }
-      const CameraRig::Shot shot = next.shot.get();
-      camera.pending.pop_front();
-      camera.fault = shot.reason;
-      if (!shot.image) continue;
-      ++camera.num_sent;
-      bus_->Publish(camera.rig->image_channel(), *shot.image);
-    }
-  }
+void SimulatorProcess::Publish(const CameraEvent& event) {
+  cameras_[static_cast<std::size_t>(event.camera)].Expose(event);
 }
 
 void SimulatorProcess::PublishCameraInfo(Time simulated) {
   if (info_time_ && simulated - *info_time_ < kInfoPeriod) return;
   info_time_ = simulated;
-  for (const Camera& camera : cameras_) {
-    bus_->Publish(camera.rig->info_channel(),
-                  camera.rig->Info(simulated, info_seq_));
-  }
+  for (CameraFeed& camera : cameras_) camera.PublishInfo(simulated, info_seq_);
   ++info_seq_;
 }
 

@@ -6,20 +6,17 @@
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/simulation.h"
 #include "drivers/simulator/walk_area.h"
-#include "processes/simulator/camera_rig.h"
+#include "processes/simulator/camera_feed.h"
 #include "processes/simulator/robot_state_file.h"
 #include "processes/simulator/simulated_clock.h"
 #include "processes/simulator/simulator_config.h"
 #include "processes/support/bus.h"
 #include "processes/support/state_saver.h"
 
-#include <waymark/image_t.hpp>
 #include <waymark/pan_tilt_t.hpp>
 #include <waymark/velocity_t.hpp>
 
 #include <cstdint>
-#include <deque>
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,25 +54,12 @@ class SimulatorProcess {
   void Finish();
 
  private:
-  // An image on its way.
-  struct Pending {
-    Time arrival;  // Of the image, in simulated time.
-    std::future<CameraRig::Shot> shot;
-  };
-  struct Camera {
-    std::unique_ptr<CameraRig> rig;
-    std::deque<Pending> pending;
-    std::int64_t num_sent = 0;
-    std::int64_t num_missed = 0;  // Exposures while the last was being drawn.
-    std::optional<Time> missed_time;  // The last one, on the bus's clock.
-    std::string fault;                // Why the last image could not be sent.
-  };
-
   [[nodiscard]] Simulation MakeSimulation(Time start) const;
   [[nodiscard]] Pose2 StartPose() const;
   // Throws InputError that begins with `source`.
   void CheckPlace(const Pose2& X_WR, const std::string& source) const;
   void LoadState();
+  [[nodiscard]] bool IsLive() const;
   [[nodiscard]] Time StartTime(Time now) const;
   void AddCamera(const SimulatedCameraConfig& config);
   void OnTick(Time now);
@@ -84,13 +68,12 @@ class SimulatorProcess {
   void OnCommand(const velocity_t& message, Time t);
   void OnHead(const pan_tilt_t& message);
   void AdvanceTo(Time simulated);
-  void Publish(const std::vector<SimulationEvent>& events);
+  void Publish(std::vector<SimulationEvent> events);
   void Publish(const EncoderEvent& event);
   void Publish(const RangeEvent& event);
   void Publish(const BaseEvent& event);
   void Publish(const TruthEvent& event);
-  void Expose(const CameraEvent& event);
-  void PublishImages(Time simulated);
+  void Publish(const CameraEvent& event);
   void PublishCameraInfo(Time simulated);
   // `lead`: what may be sent before the state is on disk.
   void SaveState(Duration lead);
@@ -107,7 +90,7 @@ class SimulatorProcess {
   std::optional<RangeSensorOptions> range_options_;
   RobotSnapshot start_;
   std::unique_ptr<Renderer> renderer_;  // Where there is a camera.
-  std::vector<Camera> cameras_;
+  std::vector<CameraFeed> cameras_;
   StateSaver saver_;
   std::optional<Time> saved_time_;  // No message before a restart is newer.
 
