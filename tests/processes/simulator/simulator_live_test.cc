@@ -1,12 +1,9 @@
 // The simulator as it runs live, on a clock that the test sets.
-#include "processes/simulator/simulator_process.h"
-#include "processes/support/channels.h"
-#include "tests/support/temporary_directory.h"
+#include "tests/processes/simulator/simulator_test.h"
 
 #include <waymark/encoders_t.hpp>
 #include <waymark/image_t.hpp>
 #include <waymark/truth_t.hpp>
-#include <waymark/velocity_t.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +11,6 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <string>
@@ -29,8 +25,6 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
 
 // Live as far as a process can tell.
 class ManualBus final : public Bus {
@@ -82,34 +76,15 @@ class ManualBus final : public Bus {
   std::string fault_;
 };
 
-class SimulatorLiveTest : public testing::Test {
- protected:
-  SimulatorLiveTest() {
-    Write("room.yaml",
-          "rooms:\n"
-          "  - {name: room, rectangle: [0, 0, 6, 4], lamps: [1, 1]}\n"
-          "starts: [[1, 2, 0]]\n");
-    Write("camera.yaml",
-          "{model: perspective, width: 640, height: 480, fx: 400, fy: 400, "
-          "cx: 319.5, cy: 239.5, mounting: {x: 0.1, z: 0.5}}\n");
-    config_.world = directory_ / "room.yaml";
-    config_.camera.file = directory_ / "camera.yaml";
-    config_.camera.name = "";
-    config_.light_cell = 2.0;
-  }
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream(directory_ / name) << text;
-  }
-  static Time Newest(const ManualBus& bus) {
-    return TimeFromMicroseconds(bus.Messages<truth_t>("TRUTH").back().utime);
-  }
-  static Time Oldest(const ManualBus& bus) {
-    return TimeFromMicroseconds(bus.Messages<truth_t>("TRUTH").front().utime);
-  }
+using SimulatorLiveTest = SimulatorTest;
 
-  TemporaryDirectory directory_;
-  SimulatorConfig config_;
-};
+Time Newest(const ManualBus& bus) {
+  return TimeFromMicroseconds(bus.Messages<truth_t>("TRUTH").back().utime);
+}
+
+Time Oldest(const ManualBus& bus) {
+  return TimeFromMicroseconds(bus.Messages<truth_t>("TRUTH").front().utime);
+}
 
 TEST_F(SimulatorLiveTest, AfterAStopOfTheMachineItSendsATenthOfASecondNoMore) {
   config_.speed = 10.0;
@@ -126,7 +101,7 @@ TEST_F(SimulatorLiveTest, AfterAStopOfTheMachineItSendsATenthOfASecondNoMore) {
 }
 
 TEST_F(SimulatorLiveTest, ARestartDoesNotSetTimeBack) {
-  config_.state_file = directory_ / "state";
+  config_.state_file = Path("state");
   for (const double speed : {1.0, 10.0}) {
     for (const bool is_killed : {false, true}) {
       config_.speed = speed;
@@ -151,7 +126,7 @@ TEST_F(SimulatorLiveTest, ARestartDoesNotSetTimeBack) {
 }
 
 TEST_F(SimulatorLiveTest, AClockThatWasSetBackDoesNotSetTimeBack) {
-  config_.state_file = directory_ / "state";
+  config_.state_file = Path("state");
   ManualBus bus(kStart);
   {
     SimulatorProcess process(config_, &bus);
@@ -163,7 +138,7 @@ TEST_F(SimulatorLiveTest, AClockThatWasSetBackDoesNotSetTimeBack) {
       Write("other.yaml",
             "rooms: [{name: a, rectangle: [0, 0, 3, 3]}]\n"
             "starts: [[1, 1, 0]]\n");
-      config_.world = directory_ / "other.yaml";
+      config_.world = Path("other.yaml");
     }
     ManualBus back(kStart - seconds(100));
     SimulatorProcess process(config_, &back);
@@ -173,7 +148,7 @@ TEST_F(SimulatorLiveTest, AClockThatWasSetBackDoesNotSetTimeBack) {
 }
 
 TEST_F(SimulatorLiveTest, FaultsAreJoinedAndGoWithTheirCauses) {
-  config_.state_file = directory_ / "state";
+  config_.state_file = Path("state");
   ManualBus bus(kStart);
   SimulatorProcess process(config_, &bus);
   bus.Run(seconds(1));
@@ -207,6 +182,7 @@ TEST_F(SimulatorLiveTest, FaultsAreJoinedAndGoWithTheirCauses) {
 
 // The clock of this test is faster than any picture.
 TEST_F(SimulatorLiveTest, AnImageThatWouldBeLateIsLeftOutAndCounted) {
+  WriteCamera(10);
   config_.camera.name = "FRONT";
   config_.camera.timing.rate_hz = 30.0;
   ManualBus bus(kStart);

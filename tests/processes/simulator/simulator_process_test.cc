@@ -1,12 +1,9 @@
-#include "processes/simulator/simulator_process.h"
-
+// The simulator as it runs freely, by the clock of the bus, and what it takes.
 #include "estimation/base/input_error.h"
 #include "processes/convert/camera_convert.h"
 #include "processes/convert/image_convert.h"
-#include "processes/support/channels.h"
-#include "processes/support/local_bus.h"
 #include "processes/support/process_class.h"
-#include "tests/support/temporary_directory.h"
+#include "tests/processes/simulator/simulator_test.h"
 
 #include <waymark/base_status_t.hpp>
 #include <waymark/camera_info_t.hpp>
@@ -14,18 +11,18 @@
 #include <waymark/image_t.hpp>
 #include <waymark/planar_lidar_t.hpp>
 #include <waymark/truth_t.hpp>
-#include <waymark/velocity_t.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace waymark {
@@ -35,69 +32,23 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-constexpr Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
+using SimulatorProcessTest = SimulatorTest;
 
-// A room of 6 x 4 m with one lamp and one picture, and a small camera.
-class SimulatorProcessTest : public testing::Test {
- protected:
-  SimulatorProcessTest() {
-    Write("room.yaml",
-          "rooms:\n"
-          "  - {name: room, rectangle: [0, 0, 6, 4], lamps: [1, 1]}\n"
-          "starts: [[1, 2, 0]]\n");
-    Write("camera.yaml",
-          "{model: perspective, width: 64, height: 48, fx: 50, fy: 50, "
-          "cx: 31.5, cy: 23.5, mounting: {x: 0.1, z: 0.5}}\n");
-    config_.world = Path("room.yaml");
-    config_.camera.file = Path("camera.yaml");
-    config_.camera.name = "";
-    config_.light_cell = 2.0;  // Nobody looks: quick.
-    config_.robot.wheel_variance = 0.0;
-    config_.robot.base_variance = 0.0;
+std::string ErrorOf(const SimulatorConfig& config) {
+  try {
+    const SimulatorOnBus run(config);
+  } catch (const InputError& error) {
+    return error.what();
   }
-
-  std::string Path(const std::string& name) const { return directory_ / name; }
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream(Path(name)) << text;
-  }
-  std::string ErrorOf(const SimulatorConfig& config) const {
-    LocalBus world(kStart);
-    try {
-      const SimulatorProcess process(config, world.AddProcess("simulator"));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
-  }
-
-  TemporaryDirectory directory_;
-  SimulatorConfig config_;
-};
-
-velocity_t Velocity(Time t, double forward, double turn_rate) {
-  velocity_t message{};
-  message.utime = Microseconds(t);
-  message.source = "test";
-  message.forward = forward;
-  message.turn_rate = turn_rate;
-  return message;
-}
-
-// Sends a command ten times a second from `begin` until before `end`.
-void Drive(
-    LocalBus* world, Time begin, Time end, double forward, double turn_rate) {
-  for (Time t = begin; t < end; t += milliseconds(100)) {
-    world->Publish(kMotionCommand, Velocity(t, forward, turn_rate));
-  }
+  return "none";
 }
 
 TEST_F(SimulatorProcessTest, DrivesAsCommandedAndStopsWithoutCommands) {
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  Drive(&world, kStart + seconds(1), kStart + seconds(5), 0.3, 0.0);
-  world.RunUntil(kStart + seconds(8));
+  SimulatorOnBus run(config_);
+  run.Drive(kStart + seconds(1), kStart + seconds(5), 0.3, 0.0);
+  run.bus.RunUntil(kStart + seconds(8));
 
-  const auto truths = world.Messages<truth_t>(kTruth);
+  const auto truths = run.bus.Messages<truth_t>(kTruth);
   // 50 Hz for 8 s, none before the first tick.
   ASSERT_EQ(truths.size(), 399u + 1u);
   EXPECT_EQ(truths.front().x, 1.0);
@@ -108,36 +59,34 @@ TEST_F(SimulatorProcessTest, DrivesAsCommandedAndStopsWithoutCommands) {
   EXPECT_NEAR(truths.back().x, 1.0 + kWay, 0.002);
   EXPECT_EQ(truths.back().x, truths[truths.size() - 50].x);
 
-  const auto encoders = world.Messages<encoders_t>(kEncoders);
+  const auto encoders = run.bus.Messages<encoders_t>(kEncoders);
   ASSERT_EQ(encoders.size(), truths.size());
   EXPECT_NEAR(
       static_cast<double>(encoders.back().left_ticks) * 1e-4, kWay, 0.002);
   EXPECT_EQ(encoders.back().left_ticks, encoders.back().right_ticks);
 
-  const auto bases = world.Messages<base_status_t>(kBase);
+  const auto bases = run.bus.Messages<base_status_t>(kBase);
   EXPECT_EQ(bases.back().num_timeouts, 1);
   EXPECT_FALSE(bases.back().is_command_current);
-  EXPECT_EQ(world.Messages<planar_lidar_t>(kRanges).size(), 80u);
+  EXPECT_EQ(run.bus.Messages<planar_lidar_t>(kRanges).size(), 80u);
 }
 
 TEST_F(SimulatorProcessTest, TurnsLeftWhereAskedTo) {
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  Drive(&world, kStart + seconds(1), kStart + seconds(2), 0.0, 0.5);
-  world.RunUntil(kStart + seconds(4));
-  EXPECT_GT(world.Messages<truth_t>(kTruth).back().heading, 0.4);
+  SimulatorOnBus run(config_);
+  run.Drive(kStart + seconds(1), kStart + seconds(2), 0.0, 0.5);
+  run.bus.RunUntil(kStart + seconds(4));
+  EXPECT_GT(run.bus.Messages<truth_t>(kTruth).back().heading, 0.4);
 }
 
 TEST_F(SimulatorProcessTest, AWallStopsItAndIsCountedOnce) {
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  Drive(&world, kStart + seconds(1), kStart + seconds(15), 0.5, 0.0);
-  world.RunUntil(kStart + seconds(15));
+  SimulatorOnBus run(config_);
+  run.Drive(kStart + seconds(1), kStart + seconds(15), 0.5, 0.0);
+  run.bus.RunUntil(kStart + seconds(15));
   constexpr double kSkirting = 0.012;  // Thickness of the skirting board.
-  EXPECT_NEAR(world.Messages<truth_t>(kTruth).back().x,
+  EXPECT_NEAR(run.bus.Messages<truth_t>(kTruth).back().x,
               6.0 - kSkirting - config_.robot.radius,
               2e-4);
-  const auto bases = world.Messages<base_status_t>(kBase);
+  const auto bases = run.bus.Messages<base_status_t>(kBase);
   EXPECT_EQ(bases.back().num_contacts, 1);
   EXPECT_TRUE(bases.back().is_bumper_left);
   EXPECT_TRUE(bases.back().is_bumper_right);
@@ -161,13 +110,12 @@ TEST_F(SimulatorProcessTest, ATableStopsItAndIsSeen) {
   config_.range_noise = 0.0;
   const auto ahead = [&](double height) {
     config_.range_height = height;
-    LocalBus world(kStart);
-    SimulatorProcess process(config_, world.AddProcess("simulator"));
-    Drive(&world, kStart, kStart + seconds(9), 0.4, 0.0);
-    world.RunUntil(kStart + seconds(9));
-    EXPECT_EQ(world.Messages<base_status_t>(kBase).back().num_contacts, 1);
-    EXPECT_NEAR(world.Messages<truth_t>(kTruth).back().x, 3.0 - 0.17, 0.001);
-    const auto ranges = world.Messages<planar_lidar_t>(kRanges);
+    SimulatorOnBus run(config_);
+    run.Drive(kStart, kStart + seconds(9), 0.4, 0.0);
+    run.bus.RunUntil(kStart + seconds(9));
+    EXPECT_EQ(run.bus.Messages<base_status_t>(kBase).back().num_contacts, 1);
+    EXPECT_NEAR(run.bus.Messages<truth_t>(kTruth).back().x, 3.0 - 0.17, 0.001);
+    const auto ranges = run.bus.Messages<planar_lidar_t>(kRanges);
     // From the start; the first one in whose middle nothing is lost.
     return std::min(ranges[0].ranges[180], ranges[1].ranges[180]);
   };
@@ -180,15 +128,11 @@ TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
   config_.camera.timing.rate_hz = 10.0;
   config_.camera.timing.latency_s = 0.08;
   config_.camera.has_head = true;
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  pan_tilt_t look{};
-  look.utime = Microseconds(kStart + seconds(1));
-  look.pan = 0.5;
-  world.Publish(kPanTiltCommand, look);
-  world.RunUntil(kStart + seconds(3));
+  SimulatorOnBus run(config_);
+  run.bus.Publish(kPanTiltCommand, Look(kStart + seconds(1), 0.5, 0.0));
+  run.bus.RunUntil(kStart + seconds(3));
 
-  const auto images = world.Messages<image_t>("IMAGE_FRONT");
+  const auto images = run.bus.Messages<image_t>("IMAGE_FRONT");
   ASSERT_GE(images.size(), 28u);
   std::string reason;
   const auto tags = TagsFromMessage(images.back(), &reason);
@@ -199,7 +143,7 @@ TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
   ASSERT_TRUE(image.has_value()) << reason;
   EXPECT_EQ(image->size(), cv::Size(64, 48));
   EXPECT_GT(cv::mean(*image)[1], 30.0);
-  for (const RawMessage& raw : world.recording()) {
+  for (const RawMessage& raw : run.bus.recording()) {
     if (raw.channel != "IMAGE_FRONT") continue;
     const auto sent = DecodeMessage<image_t>(raw.data);
     const double age =
@@ -208,7 +152,7 @@ TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
     EXPECT_GE(age, 0.08);
     EXPECT_LE(age, 0.08 + 0.005 + 0.02);
   }
-  const auto infos = world.Messages<camera_info_t>("CAMERA_INFO_FRONT");
+  const auto infos = run.bus.Messages<camera_info_t>("CAMERA_INFO_FRONT");
   ASSERT_EQ(infos.size(), 3u);
   const auto camera = CameraFromMessage(infos.back(), &reason);
   ASSERT_TRUE(camera.has_value()) << reason;
@@ -224,25 +168,21 @@ TEST_F(SimulatorProcessTest, TwoCamerasEachWithItsOwnHead) {
   config_.second_camera.name = "BACK_2";
   config_.second_camera.timing.rate_hz = 5.0;
   config_.second_camera.head.max_pan = 0.2;
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  pan_tilt_t look{};
-  look.utime = Microseconds(kStart);
-  look.pan = 0.5;
-  world.Publish(kPanTiltCommand, look);
-  look.utime = Microseconds(kStart + milliseconds(500));
-  world.Publish(kPanTiltCommand, look);
-  world.RunUntil(kStart + seconds(2));
+  SimulatorOnBus run(config_);
+  for (const Time t : {kStart, kStart + milliseconds(500)}) {
+    run.bus.Publish(kPanTiltCommand, Look(t, 0.5, 0.0));
+  }
+  run.bus.RunUntil(kStart + seconds(2));
   for (const auto& [name, pan, num_images] :
        {std::tuple("FRONT", 0.5, 17u), {"BACK_2", 0.2, 8u}}) {
-    const auto images = world.Messages<image_t>(std::string("IMAGE_") + name);
+    const auto images = run.bus.Messages<image_t>(std::string("IMAGE_") + name);
     ASSERT_GE(images.size(), num_images) << name;
     std::string reason;
     const auto tags = TagsFromMessage(images.back(), &reason);
     ASSERT_TRUE(tags && tags->head) << name << ": " << reason;
     EXPECT_NEAR(tags->head->pan, pan, 1e-9) << name;
     EXPECT_FALSE(
-        world.Messages<camera_info_t>(std::string("CAMERA_INFO_") + name)
+        run.bus.Messages<camera_info_t>(std::string("CAMERA_INFO_") + name)
             .empty());
   }
 }
@@ -264,12 +204,11 @@ TEST_F(SimulatorProcessTest, ImagesOfATurningRobotAreBlurredWhereAskedFor) {
   std::vector<double> sharpness;
   for (const int samples : {1, 12}) {
     config_.camera.blur_samples = samples;
-    LocalBus world(kStart);
-    SimulatorProcess process(config_, world.AddProcess("simulator"));
-    Drive(&world, kStart, kStart + seconds(1), 0.0, 1.5);
-    world.RunUntil(kStart + seconds(1));
+    SimulatorOnBus run(config_);
+    run.Drive(kStart, kStart + seconds(1), 0.0, 1.5);
+    run.bus.RunUntil(kStart + seconds(1));
     double sum = 0.0;
-    for (const auto& message : world.Messages<image_t>("IMAGE_FRONT")) {
+    for (const auto& message : run.bus.Messages<image_t>("IMAGE_FRONT")) {
       std::string reason;
       const auto image = ImageFromMessage(message, ImageColor::kGray, &reason);
       ASSERT_TRUE(image.has_value()) << reason;
@@ -292,11 +231,10 @@ TEST_F(SimulatorProcessTest, SameSeedSameBytes) {
   std::vector<std::vector<RawMessage>> recordings;
   for (const int seed : {7, 7, 8}) {
     config_.seed = seed;
-    LocalBus world(kStart);
-    SimulatorProcess process(config_, world.AddProcess("simulator"));
-    Drive(&world, kStart + seconds(1), kStart + seconds(3), 0.3, 0.3);
-    world.RunUntil(kStart + seconds(3));
-    recordings.push_back(world.recording());
+    SimulatorOnBus run(config_);
+    run.Drive(kStart + seconds(1), kStart + seconds(3), 0.3, 0.3);
+    run.bus.RunUntil(kStart + seconds(3));
+    recordings.push_back(run.bus.recording());
   }
   const auto bytes_of = [](const std::vector<RawMessage>& recording) {
     std::vector<std::vector<std::uint8_t>> bytes;
@@ -307,145 +245,28 @@ TEST_F(SimulatorProcessTest, SameSeedSameBytes) {
   EXPECT_FALSE(bytes_of(recordings[0]) == bytes_of(recordings[2]));
 }
 
-// Each ENCODERS waits for the command that answers it.
-TEST_F(SimulatorProcessTest, SteppedGoesAsFastAsItIsAnswered) {
-  config_.pace = Pace::kStepped;
-  config_.answer_timeout_s = 1.0;
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  Bus* driver = world.AddProcess("driver");
-  driver->Advertise<velocity_t>(kMotionCommand);
-  int num_answers = 0;
-  driver->Subscribe<encoders_t>(
-      kEncoders, Keep::All(), [&](const encoders_t&, Time t) {
-        if (num_answers++ == 100) return;  // As if a message were lost.
-        driver->Publish(kMotionCommand, Velocity(t, 0.2, 0.0));
-        if (num_answers > 200) num_answers = 101;  // Then for ever.
-      });
-  // 100 answered steps in no time, and the first tick 20 ms after the start;
-  // the one without answer is waited for.
-  world.RunUntil(kStart + milliseconds(500));
-  EXPECT_EQ(world.Messages<encoders_t>(kEncoders).size(), 101u);
-  EXPECT_EQ(world.Status("simulator").fault, "");
-}
-
-// 1/30 and 1/70 s are no whole numbers of microseconds.
-TEST_F(SimulatorProcessTest, SteppedGoesOnAtAnyEncoderRate) {
-  config_.pace = Pace::kStepped;
-  for (const double rate_hz : {30.0, 70.0}) {
-    config_.encoder_rate_hz = rate_hz;
-    LocalBus world(kStart);
-    SimulatorProcess process(config_, world.AddProcess("simulator"));
-    Bus* driver = world.AddProcess("driver");
-    driver->Advertise<velocity_t>(kMotionCommand);
-    int num_answers = 0;
-    driver->Subscribe<encoders_t>(
-        kEncoders, Keep::All(), [&](const encoders_t&, Time t) {
-          if (++num_answers > 300) return;
-          driver->Publish(kMotionCommand, Velocity(t, 0.2, 0.0));
-        });
-    world.RunUntil(kStart + milliseconds(500));
-    const auto encoders = world.Messages<encoders_t>(kEncoders);
-    ASSERT_EQ(encoders.size(), 301u) << rate_hz << " Hz";
-    EXPECT_NEAR(
-        static_cast<double>(encoders[300].utime - encoders[0].utime) * 1e-6,
-        300.0 / rate_hz,
-        1e-6);
-  }
-}
-
-// Somebody with a clock of their own steers, but does not step.
-TEST_F(SimulatorProcessTest, SteppedTakesTheCommandOfItsOwnTimeForAnswer) {
-  config_.pace = Pace::kStepped;
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  Bus* driver = world.AddProcess("driver");
-  driver->Advertise<velocity_t>(kMotionCommand);
-  int num_answers = 0;
-  driver->Subscribe<encoders_t>(
-      kEncoders, Keep::All(), [&](const encoders_t&, Time t) {
-        for (const Duration off : {-milliseconds(7), milliseconds(7)}) {
-          driver->Publish(kMotionCommand, Velocity(t + off, 0.0, 0.3));
-        }
-        if (++num_answers > 100) return;
-        driver->Publish(kMotionCommand, Velocity(t, 0.2, 0.0));
-      });
-  world.RunUntil(kStart + milliseconds(500));
-  // Each step has the command that answered it; the 101st waits.
-  const auto truths = world.Messages<truth_t>(kTruth);
-  ASSERT_EQ(truths.size(), 101u);
-  EXPECT_EQ(truths.back().heading, 0.0);
-  EXPECT_GT(truths.back().x, 1.3);
-}
-
-// A guard that nobody asks anything sends zero, by its own clock.
-TEST_F(SimulatorProcessTest, SteppedTakesNoAnswerThatNobodyAskedFor) {
-  config_.pace = Pace::kStepped;
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  velocity_t nobody = Velocity(kStart + seconds(9), 0.0, 0.0);
-  nobody.source = "";
-  for (int i = 1; i < 5; ++i) {
-    world.PublishAt(kStart + milliseconds(100 * i), kMotionCommand, nobody);
-  }
-  world.RunUntil(kStart + milliseconds(600));
-  EXPECT_EQ(world.Messages<encoders_t>(kEncoders).size(), 1u);
-}
-
-TEST_F(SimulatorProcessTest, SteppedAndLockStepGiveTheSameTrajectory) {
-  config_.robot.wheel_variance = 1e-5;
-  std::vector<std::vector<truth_t>> paths;
-  for (const Pace pace : {Pace::kRealTime, Pace::kStepped}) {
-    config_.pace = pace;
-    LocalBus world(kStart);
-    SimulatorProcess process(config_, world.AddProcess("simulator"));
-    Bus* driver = world.AddProcess("driver");
-    driver->Advertise<velocity_t>(kMotionCommand);
-    std::int64_t first = 0;
-    int num_answers = 0;
-    driver->Subscribe<encoders_t>(
-        kEncoders, Keep::All(), [&](const encoders_t& m, Time t) {
-          if (first == 0) first = m.utime;
-          if (++num_answers > 400) return;
-          const double s = static_cast<double>(m.utime - first) * 1e-6;
-          driver->Publish(kMotionCommand, Velocity(t, 0.3, std::sin(s)));
-        });
-    world.RunUntil(kStart + seconds(9));
-    paths.push_back(world.Messages<truth_t>(kTruth));
-  }
-  ASSERT_GE(paths[0].size(), 400u);
-  ASSERT_GE(paths[1].size(), 400u);
-  for (std::size_t i = 0; i < 400; ++i) {
-    EXPECT_EQ(paths[0][i].x, paths[1][i].x) << i;
-    EXPECT_EQ(paths[0][i].heading, paths[1][i].heading) << i;
-  }
-  EXPECT_GT(paths[0][399].x, 1.5);
-}
-
 TEST_F(SimulatorProcessTest, GoesOnWhereItWasAndAtRest) {
   config_.state_file = Path("state.yaml");
   Pose2 X_WR;
   std::int64_t ticks = 0;
   {
-    LocalBus world(kStart);
-    SimulatorProcess process(config_, world.AddProcess("simulator"));
-    Drive(&world, kStart + seconds(1), kStart + seconds(4), 0.3, 0.1);
-    world.RunUntil(kStart + milliseconds(3020));
+    SimulatorOnBus run(config_);
+    run.Drive(kStart + seconds(1), kStart + seconds(4), 0.3, 0.1);
+    run.bus.RunUntil(kStart + milliseconds(3020));
     // Killed here: no Finish(). The last save is of 3.02 s.
-    const truth_t last = world.Messages<truth_t>(kTruth).back();
+    const truth_t last = run.bus.Messages<truth_t>(kTruth).back();
     X_WR = {last.x, last.y, last.heading};
-    ticks = world.Messages<encoders_t>(kEncoders).back().right_ticks;
+    ticks = run.bus.Messages<encoders_t>(kEncoders).back().right_ticks;
   }
-  LocalBus world(kStart + seconds(10));
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
-  world.RunUntil(kStart + seconds(12));
-  const auto truths = world.Messages<truth_t>(kTruth);
+  SimulatorOnBus run(config_, kStart + seconds(10));
+  run.bus.RunUntil(kStart + seconds(12));
+  const auto truths = run.bus.Messages<truth_t>(kTruth);
   // The step under way may have been saved at its end: 5 ms at 0.3 m/s.
   EXPECT_NEAR(truths.front().x, X_WR.x, 0.0016);
   EXPECT_NEAR(truths.front().heading, X_WR.heading, 0.001);
   EXPECT_EQ(truths.front().x, truths.back().x);
   EXPECT_NEAR(static_cast<double>(
-                  world.Messages<encoders_t>(kEncoders).front().right_ticks),
+                  run.bus.Messages<encoders_t>(kEncoders).front().right_ticks),
               static_cast<double>(ticks),
               20.0);
   // In another world it starts where that begins.
@@ -453,10 +274,9 @@ TEST_F(SimulatorProcessTest, GoesOnWhereItWasAndAtRest) {
         "rooms:\n  - {name: room, rectangle: [0, 0, 6, 4]}\n"
         "starts: [[3, 3, 0]]\n");
   config_.world = Path("other.yaml");
-  LocalBus other(kStart);
-  SimulatorProcess elsewhere(config_, other.AddProcess("simulator"));
-  other.RunUntil(kStart + seconds(1));
-  EXPECT_EQ(other.Messages<truth_t>(kTruth).front().x, 3.0);
+  SimulatorOnBus other(config_);
+  other.bus.RunUntil(kStart + seconds(1));
+  EXPECT_EQ(other.bus.Messages<truth_t>(kTruth).front().x, 3.0);
 }
 
 TEST_F(SimulatorProcessTest, BadInputIsOneLine) {
@@ -530,17 +350,13 @@ TEST_F(SimulatorProcessTest, CheckOfAConfigurationFindsFilesAndNames) {
 }
 
 TEST_F(SimulatorProcessTest, BadCommandsAreCountedAndNotObeyed) {
-  LocalBus world(kStart);
-  SimulatorProcess process(config_, world.AddProcess("simulator"));
+  SimulatorOnBus run(config_);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  world.Publish(kMotionCommand, Velocity(kStart + seconds(1), nan, 0.0));
-  pan_tilt_t look{};
-  look.utime = Microseconds(kStart + seconds(1));
-  look.tilt = nan;
-  world.Publish(kPanTiltCommand, look);
-  world.RunUntil(kStart + seconds(2));
-  EXPECT_EQ(world.Status("simulator").num_bad, 2);
-  EXPECT_EQ(world.Messages<truth_t>(kTruth).back().x, 1.0);
+  run.bus.Publish(kMotionCommand, Velocity(kStart + seconds(1), nan, 0.0));
+  run.bus.Publish(kPanTiltCommand, Look(kStart + seconds(1), 0.0, nan));
+  run.bus.RunUntil(kStart + seconds(2));
+  EXPECT_EQ(run.bus.Status("simulator").num_bad, 2);
+  EXPECT_EQ(run.bus.Messages<truth_t>(kTruth).back().x, 1.0);
 }
 
 }  // namespace
