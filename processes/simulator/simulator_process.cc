@@ -21,7 +21,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <utility>
+#include <variant>
 
 namespace waymark {
 namespace {
