@@ -44,20 +44,6 @@ double TimeOf(const std::function<void()>& work) {
   return CpuSeconds() - begin;
 }
 
-Isometry3d Pose(const Vector3d& p_W, double yaw, double tilt) {
-  Eigen::Matrix3d R_RC;
-  R_RC.col(0) = -Vector3d::UnitY();
-  R_RC.col(1) = -Vector3d::UnitZ();
-  R_RC.col(2) = Vector3d::UnitX();
-  Isometry3d X_WC = Isometry3d::Identity();
-  X_WC.linear() = (Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(tilt, Vector3d::UnitY()))
-                      .toRotationMatrix() *
-                  R_RC;
-  X_WC.translation() = p_W;
-  return X_WC;
-}
-
 // A mirror camera that looks up at its mirror.
 Isometry3d UpPose(const Vector3d& p_W) {
   Isometry3d X_WC = Isometry3d::Identity();
@@ -75,7 +61,7 @@ struct NamedView {
 };
 
 std::vector<NamedView> Views() {
-  const Isometry3d X_WC = Pose({0.6, 0.9, 1.3}, 0.12, 0.08);
+  const Isometry3d X_WC = LookFrom({0.6, 0.9, 1.3}, 0.12, 0.08);
   return {{"perspective 640x480",
            {PerspectiveCamera({400.0, 400.0, 319.5, 239.5}), {640, 480}},
            X_WC},

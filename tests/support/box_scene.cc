@@ -160,6 +160,20 @@ void AddBox(const Vector3d& low,
   }
 }
 
+Eigen::Isometry3d LookFrom(const Vector3d& p_W, double yaw, double tilt) {
+  Eigen::Matrix3d R_RC;
+  R_RC.col(0) = -Vector3d::UnitY();
+  R_RC.col(1) = -Vector3d::UnitZ();
+  R_RC.col(2) = Vector3d::UnitX();
+  Eigen::Isometry3d X_WC = Eigen::Isometry3d::Identity();
+  X_WC.linear() = (Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) *
+                   Eigen::AngleAxisd(tilt, Vector3d::UnitY()))
+                      .toRotationMatrix() *
+                  R_RC;
+  X_WC.translation() = p_W;
+  return X_WC;
+}
+
 cv::Mat3b Checkers(int num,
                    int square_px,
                    const cv::Vec3b& first,

@@ -4,6 +4,7 @@
 #include "drivers/simulator/scene.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 
 #include <string>
@@ -31,6 +32,12 @@ void AddBox(const Eigen::Vector3d& low,
             std::uint32_t material,
             std::uint32_t surface,
             SceneMesh* mesh);
+
+// X_WC of a camera at p_W that looks along x_W turned by `yaw` about z and then
+// down by `tilt`.
+[[nodiscard]] Eigen::Isometry3d LookFrom(const Eigen::Vector3d& p_W,
+                                         double yaw,
+                                         double tilt = 0.0);
 
 // A checkerboard of `num` x `num` squares of `square_px`.
 [[nodiscard]] cv::Mat3b Checkers(int num,

@@ -2,6 +2,7 @@
 
 #include "estimation/base/random.h"
 #include "estimation/geometry/angle.h"
+#include "tests/support/rectangle_walls.h"
 
 #include <gtest/gtest.h>
 
@@ -78,14 +79,8 @@ TEST(Geodesic, RoundTheEndOfAWall) {
 
 TEST(Geodesic, RoundASquarePillarOnTheShorterSide) {
   // 1 m square about the origin in a hall of 10 x 8 m.
-  const ObstacleMap map({{{-0.5, -0.5}, {0.5, -0.5}},
-                         {{0.5, -0.5}, {0.5, 0.5}},
-                         {{0.5, 0.5}, {-0.5, 0.5}},
-                         {{-0.5, 0.5}, {-0.5, -0.5}},
-                         {{-5.0, -4.0}, {5.0, -4.0}},
-                         {{5.0, -4.0}, {5.0, 4.0}},
-                         {{5.0, 4.0}, {-5.0, 4.0}},
-                         {{-5.0, 4.0}, {-5.0, -4.0}}});
+  const ObstacleMap map(RectangleWalls(
+      {-5.0, -4.0}, {5.0, 4.0}, RectangleWalls({-0.5, -0.5}, {0.5, 0.5})));
   const Geodesic geodesic(map, kRadius);
   for (double y = -0.4; y < 0.45; y += 0.1) {
     // Round the upper corners: tangent, arc, along the top, arc, tangent.
@@ -127,14 +122,12 @@ TEST(Geodesic, RoundAPillarOfManySides) {
 
 TEST(Geodesic, ThroughTwoDoors) {
   // Three rooms in a row; doors of 0.9 m up in the one wall, down in the other.
-  const ObstacleMap map({{{0.0, 0.0}, {9.0, 0.0}},
-                         {{9.0, 0.0}, {9.0, 4.0}},
-                         {{9.0, 4.0}, {0.0, 4.0}},
-                         {{0.0, 4.0}, {0.0, 0.0}},
-                         {{3.0, 0.0}, {3.0, 2.9}},
-                         {{3.0, 3.8}, {3.0, 4.0}},
-                         {{6.0, 1.1}, {6.0, 4.0}},
-                         {{6.0, 0.0}, {6.0, 0.2}}});
+  const ObstacleMap map(RectangleWalls({0.0, 0.0},
+                                       {9.0, 4.0},
+                                       {{{3.0, 0.0}, {3.0, 2.9}},
+                                        {{3.0, 3.8}, {3.0, 4.0}},
+                                        {{6.0, 1.1}, {6.0, 4.0}},
+                                        {{6.0, 0.0}, {6.0, 0.2}}}));
   // Over the first door's lower edge c1 and under the second's upper edge c2:
   // between them a tangent that crosses the line of centres.
   const Eigen::Vector2d p(0.5, 0.5), q(8.5, 3.5), c1(3.0, 2.9), c2(6.0, 1.1);
@@ -158,12 +151,11 @@ TEST(Geodesic, ThroughTwoDoors) {
 }
 
 TEST(Geodesic, NoWayIsNoLength) {
-  const ObstacleMap map({{{0.0, 0.0}, {4.0, 0.0}},
-                         {{4.0, 0.0}, {4.0, 2.0}},
-                         {{4.0, 2.0}, {0.0, 2.0}},
-                         {{0.0, 2.0}, {0.0, 0.0}},
-                         {{2.0, 0.0}, {2.0, 0.9}},
-                         {{2.0, 1.2}, {2.0, 2.0}}});  // A gap of 0.3 m.
+  // A gap of 0.3 m.
+  const ObstacleMap map(
+      RectangleWalls({0.0, 0.0},
+                     {4.0, 2.0},
+                     {{{2.0, 0.0}, {2.0, 0.9}}, {{2.0, 1.2}, {2.0, 2.0}}}));
   const Geodesic wide(map, kRadius);
   EXPECT_FALSE(wide.Shortest({1.0, 1.0}, {3.0, 1.0}));
   EXPECT_FALSE(wide.Shortest({1.0, 1.0}, {9.0, 1.0}));   // Outside.

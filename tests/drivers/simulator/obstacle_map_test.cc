@@ -105,8 +105,13 @@ TEST(ObstacleMap, RayAgreesWithTryingAllSegments) {
   }
 }
 
+// Across the x axis at x = 2.
+ObstacleMap WallAtTwo() {
+  return ObstacleMap({{{2.0, -5.0}, {2.0, 5.0}}});
+}
+
 TEST(ObstacleMap, RayTellsAngleToNormal) {
-  const ObstacleMap map({{{2.0, -5.0}, {2.0, 5.0}}});
+  const ObstacleMap map = WallAtTwo();
   for (double bearing = -1.2; bearing < 1.25; bearing += 0.1) {
     const auto hit = map.CastRay({0.5, 0.3}, bearing, 20.0);
     ASSERT_TRUE(hit.has_value()) << bearing;
@@ -121,7 +126,7 @@ TEST(ObstacleMap, RayTellsAngleToNormal) {
 }
 
 TEST(ObstacleMap, ContactWithAWallIsWhereGeometryHasIt) {
-  const ObstacleMap map({{{2.0, -5.0}, {2.0, 5.0}}});
+  const ObstacleMap map = WallAtTwo();
   const auto ahead = map.FirstContact({0.0, 0.0, 0.3}, {40.0, 0.0}, 0.2);
   ASSERT_TRUE(ahead.has_value());
   const double way = 1.8 / std::cos(0.3);
@@ -144,7 +149,7 @@ TEST(ObstacleMap, ContactWithAWallIsWhereGeometryHasIt) {
 }
 
 TEST(ObstacleMap, ATouchingDiscMayLeaveAndSlideButNotPush) {
-  const ObstacleMap map({{{2.0, -5.0}, {2.0, 5.0}}});
+  const ObstacleMap map = WallAtTwo();
   const Pose2 touching{1.8, 0.0, 0.0};
   EXPECT_TRUE(map.FirstContact(touching, {0.1, 0.0}, 0.2));
   EXPECT_FALSE(map.FirstContact(touching, {-0.1, 0.0}, 0.2));

@@ -178,8 +178,7 @@ TEST(People, GoBesideTheRobotAtTheirClearance) {
 }
 
 TEST(People, BesideTheRobotStayOutOfWallsAndOfEachOther) {
-  WorldPerson person = Companion(0.0);
-  World world = WithPerson(person);
+  World world = WithPerson(Companion(0.0));
   for (const double bearing : {kPi / 2.0, kPi, -kPi / 2.0}) {
     world.people.push_back(Companion(bearing));
   }
@@ -215,14 +214,12 @@ TEST(People, BesideTheRobotStayOutOfWallsAndOfEachOther) {
 
 // A robot along a wall that comes near, into a doorway, back, and turning.
 TEST(People, BesideTheRobotDoNotJumpAndComeBackToTheirSide) {
-  World world;
-  world.rooms = {RectangleRoom("a", 0.0, 0.0, 12.0, 8.0, 2.5)};
+  World world = WithPerson(Companion(kPi / 2.0));
   WorldFurniture piece;
   piece.at << 6.0, 4.9;
   piece.size << 2.0, 1.0, 1.9;
   piece.kind = FurnitureKind::kCabinet;
   world.furniture = {piece};
-  world.people = {Companion(kPi / 2.0)};
   const WalkArea area(world);
   const People people(world, {});
   std::vector<PersonState> states;

@@ -1,6 +1,7 @@
 #include "drivers/simulator/range_sensor.h"
 
 #include "estimation/geometry/angle.h"
+#include "tests/support/rectangle_walls.h"
 
 #include <gtest/gtest.h>
 
@@ -13,10 +14,7 @@ namespace {
 
 // 6 x 4 m about the origin.
 ObstacleMap Room() {
-  return ObstacleMap({{{-3.0, -2.0}, {3.0, -2.0}},
-                      {{3.0, -2.0}, {3.0, 2.0}},
-                      {{3.0, 2.0}, {-3.0, 2.0}},
-                      {{-3.0, 2.0}, {-3.0, -2.0}}});
+  return ObstacleMap(RectangleWalls({-3.0, -2.0}, {3.0, 2.0}));
 }
 
 double ToRoom(const Eigen::Vector2d& p, double bearing) {

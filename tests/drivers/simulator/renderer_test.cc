@@ -17,22 +17,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// A camera at p_W that looks along x_W turned by yaw about z and then down by
-// tilt.
-Isometry3d LookFrom(const Vector3d& p_W, double yaw, double tilt = 0.0) {
-  Eigen::Matrix3d R_RC;
-  R_RC.col(0) = -Vector3d::UnitY();
-  R_RC.col(1) = -Vector3d::UnitZ();
-  R_RC.col(2) = Vector3d::UnitX();
-  Isometry3d X_WC = Isometry3d::Identity();
-  X_WC.linear() = (Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(tilt, Vector3d::UnitY()))
-                      .toRotationMatrix() *
-                  R_RC;
-  X_WC.translation() = p_W;
-  return X_WC;
-}
-
 CameraView Perspective(int width, int height) {
   return {
       PerspectiveCamera(

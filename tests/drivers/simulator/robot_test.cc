@@ -2,6 +2,7 @@
 
 #include "estimation/filter/differential_drive.h"
 #include "estimation/geometry/angle.h"
+#include "tests/support/rectangle_walls.h"
 
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
@@ -363,10 +364,7 @@ double GapTo(const ObstacleMap& map, const Eigen::Vector2d& p) {
 ObstacleMap RandomRoom(Random* random) {
   const double w = random->Uniform(1.5, 4.0);
   const double h = random->Uniform(1.5, 4.0);
-  std::vector<Segment2> walls{{{-w, -h}, {w, -h}},
-                              {{w, -h}, {w, h}},
-                              {{w, h}, {-w, h}},
-                              {{-w, h}, {-w, -h}}};
+  std::vector<Segment2> walls = RectangleWalls({-w, -h}, {w, h});
   for (std::uint64_t i = random->Index(8); i > 0; --i) {
     const Eigen::Vector2d a(random->Uniform(-w, w), random->Uniform(-h, h));
     const double angle = random->Uniform(-kPi, kPi);

@@ -17,18 +17,8 @@ using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Isometry3d LookFrom(const Vector3d& p_W, double yaw, double tilt = 0.0) {
-  Eigen::Matrix3d R_RC;
-  R_RC.col(0) = -Vector3d::UnitY();
-  R_RC.col(1) = -Vector3d::UnitZ();
-  R_RC.col(2) = Vector3d::UnitX();
-  Isometry3d X_WC = Isometry3d::Identity();
-  X_WC.linear() = (Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) *
-                   Eigen::AngleAxisd(tilt, Vector3d::UnitY()))
-                      .toRotationMatrix() *
-                  R_RC;
-  X_WC.translation() = p_W;
-  return X_WC;
+CameraView Pinhole() {
+  return {PerspectiveCamera({300.0, 300.0, 319.5, 239.5}), {640, 480}};
 }
 
 CameraView Perspective() {
@@ -134,8 +124,7 @@ TEST(SceneEdges, HiddenStretchEndsWhereTheOccluderDoes) {
   const std::uint32_t plate = 6;
   AddQuad(
       {3.0, 1.5, 0.1}, {3.0, 2.5, 0.1}, {3.0, 1.5, 2.4}, 0, plate, &scene.mesh);
-  const CameraView view = {PerspectiveCamera({300.0, 300.0, 319.5, 239.5}),
-                           {640, 480}};
+  const CameraView view = Pinhole();
   const Isometry3d X_WC = LookFrom({0.5, 2.2, 1.4}, 0.07, 0.0);
   std::vector<Vector2d> ends;
   for (const VisibleEdge& edge : EdgesOf(scene, view, X_WC)) {
@@ -178,8 +167,7 @@ TEST(SceneEdges, MaterialsButNotSeamsWithinAPlane) {
             0,
             &scene.mesh);
   }
-  const CameraView view = {PerspectiveCamera({300.0, 300.0, 319.5, 239.5}),
-                           {640, 480}};
+  const CameraView view = Pinhole();
   const Isometry3d X_WC = LookFrom({0.0, 0.0, 1.0}, 0.0);
   int num_materials = 0;
   for (const VisibleEdge& edge : EdgesOf(scene, view, X_WC)) {
@@ -206,8 +194,7 @@ TEST(SceneEdges, AWallThatStandsOnAFloor) {
   AddSurface("wall", SurfaceKind::kWall, &scene);
   AddQuad({-9, -9, 0}, {9, -9, 0}, {-9, 9, 0}, 0, 0, &scene.mesh);
   AddQuad({3, -1, 0}, {3, 1, 0}, {3, -1, 2}, 0, 1, &scene.mesh);
-  const CameraView view = {PerspectiveCamera({300.0, 300.0, 319.5, 239.5}),
-                           {640, 480}};
+  const CameraView view = Pinhole();
   const Isometry3d X_WC = LookFrom({0, 0, 1}, 0.0);
   int num_at_foot = 0;
   for (const VisibleEdge& edge : EdgesOf(scene, view, X_WC)) {
@@ -225,8 +212,7 @@ TEST(SceneEdges, AWallThatStandsOnAFloor) {
 
 TEST(SceneEdges, OutlineOfAMover) {
   const Scene scene = FurnishedCorridor();
-  const CameraView view = {PerspectiveCamera({300.0, 300.0, 319.5, 239.5}),
-                           {640, 480}};
+  const CameraView view = Pinhole();
   const Isometry3d X_WC = LookFrom({1.0, 1.0, 1.0}, 0.0);
   Isometry3d X_WP = Isometry3d::Identity();
   X_WP.translation() = Vector3d(4.0, 1.0, 0.0);

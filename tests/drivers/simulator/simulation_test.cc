@@ -1,5 +1,7 @@
 #include "drivers/simulator/simulation.h"
 
+#include "tests/support/rectangle_walls.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,10 +16,7 @@ namespace {
 constexpr Time kStart = TimeFromMicroseconds(1'700'000'000'000'000);
 
 const ObstacleMap& Room() {
-  static const ObstacleMap kRoom({{{-3.0, -2.0}, {3.0, -2.0}},
-                                  {{3.0, -2.0}, {3.0, 2.0}},
-                                  {{3.0, 2.0}, {-3.0, 2.0}},
-                                  {{-3.0, 2.0}, {-3.0, -2.0}}});
+  static const ObstacleMap kRoom(RectangleWalls({-3.0, -2.0}, {3.0, 2.0}));
   return kRoom;
 }
 
