@@ -15,8 +15,11 @@ TeleopKeys::TeleopKeys(const TeleopConfig& config)
     : config_(config), share_(config.share) {}
 
 void TeleopKeys::Drive(Time now, double forward, double turn) {
+  const Velocity wanted{forward, turn};
+  is_repeated_ = pressed_ && now >= *pressed_ && wanted == wanted_ &&
+                 now - *pressed_ <= DurationFromSeconds(config_.hold_s);
   pressed_ = now;
-  wanted_ = {forward, turn};
+  wanted_ = wanted;
 }
 
 std::optional<KeyEvent> TeleopKeys::Type(Time now, std::string_view bytes) {
@@ -90,8 +93,9 @@ std::optional<KeyEvent> TeleopKeys::Key(Time now, char key) {
 }
 
 Velocity TeleopKeys::At(Time now) const {
+  const double hold_s = is_repeated_ ? config_.hold_s : config_.first_hold_s;
   if (!pressed_ || now < *pressed_ ||
-      now - *pressed_ > DurationFromSeconds(config_.hold_s)) {
+      now - *pressed_ > DurationFromSeconds(hold_s)) {
     return {};
   }
   return {share_ * config_.max_speed * wanted_.forward,

@@ -24,8 +24,8 @@ class TeleopKeys {
   // last stop or let-go among them, a stop before all others.
   [[nodiscard]] std::optional<KeyEvent> Type(Time now, std::string_view bytes);
 
-  // Zero once the last stroke is older than hold_s: who lets go, or falls off
-  // the chair, stops the robot.
+  // Zero once the last stroke is older than hold_s, or first_hold_s where it
+  // was not repeated yet: who lets go, or falls off the chair, stops the robot.
   [[nodiscard]] Velocity At(Time now) const;
   [[nodiscard]] double share() const { return share_; }
 
@@ -37,7 +37,8 @@ class TeleopKeys {
   double share_;
   std::string escape_;  // The beginning of a longer code.
   std::optional<Time> pressed_;
-  Velocity wanted_;  // Shares of full speed.
+  bool is_repeated_ = false;  // The last stroke: not the first of its key.
+  Velocity wanted_;           // Shares of full speed.
 };
 
 }  // namespace waymark

@@ -45,11 +45,35 @@ TEST(TeleopKeys, AnArrowMayComeInParts) {
 TEST(TeleopKeys, WhoLetsGoStops) {
   TeleopKeys keys({});
   (void)keys.Type(At(1.0), "w");
-  EXPECT_GT(keys.At(At(1.25)).forward, 0.0);
-  EXPECT_EQ(keys.At(At(1.26)), Velocity{});
-  (void)keys.Type(At(1.2), "w");
-  EXPECT_GT(keys.At(At(1.4)).forward, 0.0) << "repetition goes on";
+  EXPECT_GT(keys.At(At(1.6)).forward, 0.0);
+  EXPECT_EQ(keys.At(At(1.61)), Velocity{});
   EXPECT_EQ(keys.At(At(0.5)), Velocity{}) << "time that goes back";
+}
+
+// Most keyboards wait for half a second before they repeat; then they are fast.
+TEST(TeleopKeys, AKeyThatIsHeldDrivesWithoutPause) {
+  TeleopKeys keys({});
+  (void)keys.Type(At(1.0), "w");
+  for (double t = 1.0; t < 1.5; t += 0.02) {
+    EXPECT_GT(keys.At(At(t)).forward, 0.0) << t;
+  }
+  // The first of the repetition looks like another stroke.
+  for (double t = 1.5; t < 2.0; t += 0.03) {
+    (void)keys.Type(At(t), "w");
+    EXPECT_GT(keys.At(At(t + 0.03)).forward, 0.0) << t;
+  }
+  (void)keys.Type(At(2.0), "w");
+  EXPECT_GT(keys.At(At(2.25)).forward, 0.0);
+  EXPECT_EQ(keys.At(At(2.26)), Velocity{}) << "soon after it was let go";
+}
+
+TEST(TeleopKeys, AnotherKeyOrALaterStrokeIsAFirstOne) {
+  TeleopKeys keys({});
+  (void)keys.Type(At(1.0), "w");
+  (void)keys.Type(At(1.1), "a");
+  EXPECT_GT(keys.At(At(1.6)).turn_rate, 0.0);
+  (void)keys.Type(At(1.65), "a");
+  EXPECT_GT(keys.At(At(2.2)).turn_rate, 0.0);
 }
 
 TEST(TeleopKeys, SpeedStaysInItsRange) {
