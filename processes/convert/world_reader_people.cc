@@ -77,7 +77,10 @@ void WorldReader::ReadPoses(YamlGroup* root) {
     world_->starts.clear();  // Those of a base.
     for (std::size_t i = 0; i < rows->size(); ++i) {
       const std::string name = "start " + std::to_string(i);
-      world_->starts.push_back({root->Where() + name, name, pose((*rows)[i])});
+      world_->starts.push_back(
+          {root->Where() + "starts[" + std::to_string(i) + "]",
+           name,
+           pose((*rows)[i])});
     }
   }
   auto places = root->Group("places");

@@ -3,6 +3,7 @@
 #include "drivers/simulator/people.h"
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/walk_area.h"
+#include "drivers/simulator/world_layout.h"
 #include "estimation/base/input_error.h"
 #include "estimation/camera/camera_parameters.h"
 #include "estimation/geometry/pose3.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -100,9 +102,79 @@ std::optional<std::string> FaultOf(const WorldFurniture& piece,
   return fault;
 }
 
-// Where a body on a line has less room than it needs.
+// "furniture[0] (box)" of "world.yaml:4: furniture[0] (box)".
+std::string NameOf(const std::string& where) {
+  const std::size_t colon = where.rfind(": ");
+  return colon == std::string::npos ? where : where.substr(colon + 2);
+}
+
+double DistanceFrom(const WalkArea::Outline& outline,
+                    const Eigen::Vector2d& p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Eigen::Vector2d& a = outline[i];
+    const Eigen::Vector2d way = outline[(i + 1) % outline.size()] - a;
+    const double length = way.squaredNorm();
+    const double share =
+        length > 0.0 ? std::clamp((p - a).dot(way) / length, 0.0, 1.0) : 0.0;
+    nearest = std::min(nearest, (p - a - share * way).norm());
+  }
+  return nearest;
+}
+
+// The pillar or piece of furniture that p is in, else the one within `reach` of
+// it; nullopt: neither.
+struct Thing {
+  std::string name;
+  bool is_around = false;
+};
+std::optional<Thing> ThingAt(const World& world,
+                             const Eigen::Vector2d& p,
+                             double reach) {
+  std::optional<Thing> thing;
+  const auto look = [&](const std::string& where,
+                        const WalkArea::Outline& outline) {
+    if (IsInside(outline, p)) thing = {NameOf(where), true};
+    if (!thing && DistanceFrom(outline, p) <= reach) {
+      thing = {NameOf(where), false};
+    }
+  };
+  for (const WorldPillar& it : world.pillars) look(it.where, OutlineOf(it));
+  for (const WorldFurniture& it : world.furniture) {
+    look(it.where, OutlineOf(it));
+  }
+  return thing;
+}
+
+// What is in the way of a body of radius `room` at p; nullopt: nothing.
+std::optional<std::string> FaultAt(const Eigen::Vector2d& p,
+                                   double room,
+                                   const World& world,
+                                   const WalkArea& area) {
+  const double clearance = area.Clearance(p);
+  if (clearance >= room) return std::nullopt;
+  if (!area.IsOnFloor(p)) {
+    return "is outside of all rooms, or in a wall, " + At(p);
+  }
+  // Outlines of the plan and those of the mesh differ by roundings.
+  constexpr double kPlay = 0.02;
+  const auto thing = ThingAt(world, p, std::max(clearance, 0.0) + kPlay);
+  // Between the legs of a table, too.
+  if (clearance <= 0.0 || (thing && thing->is_around)) {
+    return "is in " + (thing ? thing->name : std::string("a door")) + ", " +
+           At(p);
+  }
+  return fmt::format("is {:.2f} m from {} {}, needs {:.2f} m",
+                     clearance,
+                     thing ? thing->name : "a wall, door or model",
+                     At(p),
+                     room);
+}
+
+// The same where the line has the least room.
 std::optional<std::string> FaultOf(const std::vector<Eigen::Vector2d>& line,
                                    double room,
+                                   const World& world,
                                    const WalkArea& area) {
   Eigen::Vector2d worst;
   double least = room;
@@ -117,10 +189,14 @@ std::optional<std::string> FaultOf(const std::vector<Eigen::Vector2d>& line,
               });
   }
   if (least >= room) return std::nullopt;
-  if (least <= 0.0)
-    return "is outside of all rooms, or in something, " + At(worst);
-  return fmt::format(
-      "is {:.2f} m from something {}, needs {:.2f} m", least, At(worst), room);
+  return FaultAt(worst, room, world, area);
+}
+
+// Starts, then places.
+std::vector<WorldPose> PosesOf(const World& world) {
+  std::vector<WorldPose> poses = world.starts;
+  poses.insert(poses.end(), world.places.begin(), world.places.end());
+  return poses;
 }
 
 }  // namespace
@@ -141,16 +217,22 @@ std::vector<std::string> CheckObjects(const World& world,
     if (person.motion == PersonMotion::kStand) line = {person.at};
     if (person.motion == PersonMotion::kBeside) continue;
     if (person.is_closed && !line.empty()) line.push_back(line.front());
-    if (const auto fault = FaultOf(line, kRoom, for_people)) {
+    if (const auto fault = FaultOf(line, kRoom, world, for_people)) {
       faults.push_back(
           person.where +
           (person.motion == PersonMotion::kStand ? ": at: " : ": path: ") +
           *fault);
     }
   }
+  for (const WorldPose& pose : PosesOf(world)) {
+    if (const auto fault = FaultAt(
+            pose.X_WR.position(), options.robot_radius, world, for_robots)) {
+      faults.push_back(pose.where + ": " + *fault);
+    }
+  }
   for (const WorldRoute& route : world.routes) {
     if (const auto fault =
-            FaultOf(route.points, options.robot_radius, for_robots)) {
+            FaultOf(route.points, options.robot_radius, world, for_robots)) {
       faults.push_back(route.where + ": " + *fault);
     }
   }
@@ -172,10 +254,12 @@ Exposure ExposureOf(const cv::Mat3b& image, const cv::Mat1b& seen) {
     for (int x = 0; x < image.cols; ++x) {
       if (!seen.empty() && seen(y, x) == 0) continue;
       const cv::Vec3b& p = image(y, x);
+      const double grey = 0.114 * p[0] + 0.587 * p[1] + 0.299 * p[2];
       ++count;
-      sum += 0.114 * p[0] + 0.587 * p[1] + 0.299 * p[2];
-      if (std::max({p[0], p[1], p[2]}) == 255) ++burnt;
-      if (std::min({p[0], p[1], p[2]}) == 0) ++black;
+      sum += grey;
+      // Rounded as cv::cvtColor does.
+      if (grey >= 254.5) ++burnt;
+      if (grey < 0.5) ++black;
     }
   }
   if (count == 0) return exposure;
@@ -198,15 +282,14 @@ double GreyChange(const cv::Mat3b& first,
 }
 
 bool ViewCheck::IsGood() const {
-  return is_free && exposure.IsGood() && change <= kMaxChange;
+  return exposure.IsGood() && change <= kMaxChange;
 }
 
 std::vector<ViewCheck> CheckViews(const World& world,
                                   const Scene& scene,
                                   std::span<const NamedCamera> cameras,
                                   const WorldCheckOptions& options) {
-  std::vector<WorldPose> poses = world.starts;
-  poses.insert(poses.end(), world.places.begin(), world.places.end());
+  const std::vector<WorldPose> poses = PosesOf(world);
   if (poses.empty()) {
     throw InputError(world.source + ": has neither starts nor places");
   }
@@ -219,6 +302,7 @@ std::vector<ViewCheck> CheckViews(const World& world,
   const std::vector<Eye> eyes = EyesOf(cameras);
   std::vector<ViewCheck> checks;
   for (const WorldPose& pose : poses) {
+    if (area.Clearance(pose.X_WR.position()) < options.robot_radius) continue;
     for (int i = 0; i < options.num_headings; ++i) {
       Pose2 X_WR = pose.X_WR;
       X_WR.heading += 2.0 * std::numbers::pi * i / options.num_headings;
@@ -230,8 +314,6 @@ std::vector<ViewCheck> CheckViews(const World& world,
             pose.name,
             std::remainder(X_WR.heading * 180.0 / std::numbers::pi, 360.0),
             eye.name);
-        check.clearance = area.Clearance(X_WR.position());
-        check.is_free = check.clearance >= options.robot_radius;
         // People stay where they are, whatever the robot does.
         const std::vector<Eigen::Isometry3d> X_WP = MoverPoses(people, X_WR);
         const auto view = [&](const Pose2& from) {

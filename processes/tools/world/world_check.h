@@ -16,9 +16,10 @@ namespace waymark {
 
 // How bright an image is, over the pixels that the camera has rays for.
 struct Exposure {
-  double mean = 0.0;         // Grey value.
-  double burnt_share = 0.0;  // Pixels with a channel at 255.
-  double black_share = 0.0;  // Pixels with a channel at 0.
+  double mean = 0.0;  // Grey value.
+  // Pixels whose grey value is 255, or 0: a pure colour is neither.
+  double burnt_share = 0.0;
+  double black_share = 0.0;
 
   static constexpr double kMaxClippedShare = 0.02;
   static constexpr double kMinMean = 50.0;
@@ -40,10 +41,8 @@ struct NamedCamera {
 };
 
 struct ViewCheck {
-  std::string name;        // "start 0, 90 deg, perspective".
-  double clearance = 0.0;  // Of the place, m, by the plan.
+  std::string name;  // "start 0, 90 deg, perspective".
   Exposure exposure;
-  bool is_free = true;
   // GreyChange() of the view when the robot moves a millimetre: what changes
   // more flickers under way.
   double change = 0.0;
@@ -62,13 +61,15 @@ struct WorldCheckOptions {
 };
 
 // What stands, walks or is to be driven where that cannot be, a line each with
-// file and object: furniture outside of all rooms or in a wall, people and
-// their paths outside or in something, routes where a robot touches something.
-// Empty where all is well.
+// file, object, and what is in its way: furniture outside of all rooms or in a
+// wall, people and their paths outside or in something, starts, places and
+// routes where a robot would be outside or touch something. Empty where all is
+// well.
 [[nodiscard]] std::vector<std::string> CheckObjects(
     const World& world, const Scene& scene, const WorldCheckOptions& options);
 
-// Views from all starts and places of a world, one result each, in order.
+// Views from all starts and places of a world, one result each, in order; those
+// where no robot can be, which CheckObjects() names, are left out.
 // Throws InputError where the world has neither.
 [[nodiscard]] std::vector<ViewCheck> CheckViews(
     const World& world,

@@ -311,14 +311,13 @@ bool CheckOne(const Request& request,
     if (check.IsGood() && !request.is_verbose) continue;
     fmt::print(
         "  {}: {}: mean grey {:.0f}, {:.1f} % at 0, {:.1f} % at 255, "
-        "{:.2f} grey a millimetre, clearance {:.2f} m\n",
+        "{:.2f} grey a millimetre\n",
         check.IsGood() ? "good" : "BAD",
         check.name,
         check.exposure.mean,
         100.0 * check.exposure.black_share,
         100.0 * check.exposure.burnt_share,
-        check.change,
-        check.clearance);
+        check.change);
   }
   if (bad > 0) fmt::print("  {} views bad\n", bad);
   if (bad > 0 || !faults.empty()) return false;
@@ -420,9 +419,10 @@ void AddCheck(CLI::App* app, Request* request, int* exit_code) {
       "paths and routes out of walls and furniture, robots 1.1 m high and "
       "0.5 m wide free at starts and places, and "
       "images from there well exposed: mean grey value from 50 to 200, at most "
-      "2 % of pixels at 0 or 255, a mean change of at most 1.5 grey values "
-      "when "
-      "the robot moves a millimetre. Exit 1 where one is not.");
+      "2 % of pixels with a grey value of 0 or 255 (pure colours have "
+      "neither), "
+      "a mean change of at most 1.5 grey values when the robot moves a "
+      "millimetre. Exit 1 where one is not.");
   command->add_option("WORLD", request->worlds, "Names or files")->required();
   command->add_flag(
       "-v,--verbose", request->is_verbose, "A line for good views too");

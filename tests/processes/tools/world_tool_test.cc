@@ -82,14 +82,13 @@ TEST_F(WorldTool, ChecksStartsPlacesAndBrightness) {
   EXPECT_EQ(Run({"check", world_, "-v"}), 0) << output_;
   EXPECT_THAT(output_, HasSubstr("good: start 0, 0 deg, perspective: mean"));
   EXPECT_THAT(output_, HasSubstr("good: end, 90 deg, mirror: mean grey"));
-  // Without light, and with a start in a wall.
+  // Without light.
   std::ofstream(world_) << "rooms:\n"
                            "  - {name: a, rectangle: [0, 0, 5, 4], light: 0}\n"
                            "ambient: 0\n"
-                           "starts: [[0.1, 2, 0]]\n";
+                           "starts: [[1, 2, 0]]\n";
   EXPECT_EQ(Run({"check", world_}), 1);
-  EXPECT_THAT(output_, HasSubstr("BAD: start 0"));
-  EXPECT_THAT(output_, HasSubstr("clearance 0.09 m"));
+  EXPECT_THAT(output_, HasSubstr("BAD: start 0, 0 deg, perspective: mean"));
 }
 
 TEST_F(WorldTool, CheckNamesWhatIsWhereItCannotBe) {
@@ -113,15 +112,40 @@ TEST_F(WorldTool, CheckNamesWhatIsWhereItCannotBe) {
         "99",
         ":5: furniture[1] (cabinet): is outside of all rooms, or in a wall, at "
         "x 5",
-        ":8: people[0] (person 1): at: is outside of all rooms, or in "
-        "something, at x -3",
+        ":8: people[0] (person 1): at: is outside of all rooms, or in a wall, "
+        "at x -3",
         ":9: people[1] (person 2): path: is outside of all rooms",
-        ":10: people[2] (person 3): path: is ",
-        ": routes (below): is "}) {
+        ":10: people[2] (person 3): path: is in furniture[2] (table), at x 3",
+        ": routes (below): is in furniture[2] (table), at x 3.00, y 3.40"}) {
     EXPECT_THAT(output_, HasSubstr(line));
   }
-  EXPECT_THAT(output_, Not(HasSubstr("furniture[2]")));
+  EXPECT_THAT(output_, Not(HasSubstr("furniture[2] (table): ")));
   EXPECT_THAT(output_, Not(HasSubstr("people[3]")));
+}
+
+// Each once, with its field and what is in the way; its views say nothing.
+TEST_F(WorldTool, CheckNamesWhatIsInTheWayOfAStart) {
+  std::ofstream(world_) << "rooms:\n"
+                           "  - {name: hall, rectangle: [0, 0, 5, 4]}\n"
+                           "pillars:\n"
+                           "  - {at: [1, 2], size: 0.5}\n"
+                           "furniture:\n"
+                           "  - {kind: cabinet, at: [3, 2], "
+                           "size: [0.5, 1, 1.8]}\n"
+                           "starts: [[1.1, 2, 0], [2.6, 2, 0]]\n"
+                           "places: {far: [40, 1, 90], low: [0.1, 1, 0]}\n";
+  EXPECT_EQ(Run({"check", world_}), 1);
+  for (const char* line :
+       {": starts[0]: is in pillars[0], at x 1.10, y 2.00\n",
+        ": starts[1]: is 0.15 m from furniture[0] (cabinet) at x 2.60, y 2.00, "
+        "needs 0.25 m\n",
+        ": places (far): is outside of all rooms, or in a wall, at x 40.00, y "
+        "1.00\n",
+        ": places (low): is 0.09 m from a wall, door or model at x 0.10, y "
+        "1.00, needs 0.25 m\n"}) {
+    EXPECT_THAT(output_, HasSubstr(line));
+  }
+  EXPECT_THAT(output_, Not(HasSubstr("mean grey")));
 }
 
 TEST_F(WorldTool, RefusesBadInputInOneLine) {
@@ -192,8 +216,11 @@ TEST(PlanDrawing, HasCoordinatesAndALegend) {
 
 TEST(Exposure, CountsWhatIsBurntAndBlack) {
   cv::Mat3b image(10, 10, cv::Vec3b(100, 100, 100));
-  image(0, 0) = {255, 20, 20};
-  image(0, 1) = {20, 0, 20};
+  image(0, 0) = {255, 255, 255};
+  image(0, 1) = {1, 0, 0};
+  // Pure colours are bright or dark, but not lost.
+  image(1, 0) = {0, 0, 255};
+  image(1, 1) = {255, 0, 0};
   const Exposure exposure = ExposureOf(image, {});
   EXPECT_NEAR(exposure.burnt_share, 0.01, 1e-12);
   EXPECT_NEAR(exposure.black_share, 0.01, 1e-12);
