@@ -1,10 +1,12 @@
 #include "estimation/base/input_error.h"
 #include "logs/log_tool/commands.h"
 #include "logs/log_tool/csv_export.h"
+#include "logs/log_tool/picture_export.h"
 #include "logs/log_tool/tum_export.h"
 
 #include <CLI/CLI.hpp>
 
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 
@@ -15,7 +17,9 @@ struct ExportOptions {
   std::string log;
   std::string csv;
   std::string tum;
+  std::string pictures;
   std::string channel;
+  std::int64_t max_pictures = 1000;
   std::string types;
   bool by_event_time = false;
   bool force = false;
@@ -63,12 +67,35 @@ void RunTum(const ExportOptions& options, TypeTable* types) {
   std::printf("\n");
 }
 
+void RunPictures(const ExportOptions& options) {
+  const PictureReport report = ExportPictures(
+      options.log,
+      options.pictures,
+      {options.channel, options.max_pictures, options.if_exists()});
+  for (const auto& channel : report.channels) {
+    std::printf("%s: %lld pictures\n",
+                channel.name.c_str(),
+                static_cast<long long>(channel.num_files));
+    if (channel.num_bad == 0) continue;
+    std::printf("left out: %s: %lld images, the first: %s\n",
+                channel.name.c_str(),
+                static_cast<long long>(channel.num_bad),
+                channel.reason.c_str());
+  }
+  if (report.num_left_out > 0) {
+    std::printf("left out: %lld images more than --max-pictures %lld\n",
+                static_cast<long long>(report.num_left_out),
+                static_cast<long long>(options.max_pictures));
+  }
+}
+
 }  // namespace
 
 void AddExportCommand(CLI::App* app, int* /*exit_code*/) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app->add_subcommand(
-      "export", "Writes a log's messages as CSV tables or a TUM trajectory");
+      "export",
+      "Writes a log's messages as CSV tables, a TUM trajectory, or pictures");
   command->add_option("log", options->log, "The log")->required();
   command->add_option(
       "--csv", options->csv, "Folder for one CSV file per channel");
@@ -78,7 +105,18 @@ void AddExportCommand(CLI::App* app, int* /*exit_code*/) {
       "File for the poses of --channel: time x y z qx qy qz qw");
   command->add_option("--channel",
                       options->channel,
-                      "Channel of the trajectory, such as POSE or TRUTH");
+                      "Channel of the trajectory, such as POSE or TRUTH; of "
+                      "the pictures, if not all");
+  command->add_option("--pictures",
+                      options->pictures,
+                      "Folder for a file per image, CHANNEL_UTIME: .jpg as it "
+                      "was sent, .png of raw ones");
+  command
+      ->add_option("--max-pictures",
+                   options->max_pictures,
+                   "Leave out what comes after so many")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
+      ->capture_default_str();
   command->add_flag("--event-time",
                     options->by_event_time,
                     "Trajectory by the times of receipt, not by utime");
@@ -86,9 +124,13 @@ void AddExportCommand(CLI::App* app, int* /*exit_code*/) {
       "--types", options->types, "Folder of .lcm files with further types");
   command->add_flag("-f,--force", options->force, "Replace outputs that exist");
   command->callback([options] {
-    if (options->csv.empty() == options->tum.empty()) {
-      throw InputError("export: give either --csv DIR or --tum FILE");
+    if (!options->csv.empty() + !options->tum.empty() +
+            !options->pictures.empty() !=
+        1) {
+      throw InputError(
+          "export: give one of --csv DIR, --tum FILE and --pictures DIR");
     }
+    if (!options->pictures.empty()) return RunPictures(*options);
     if (options->tum.empty() != options->channel.empty()) {
       throw InputError("export: --tum and --channel belong together");
     }

@@ -131,7 +131,7 @@ TEST_F(LogToolProgramTest, BadInputIsOneLineAndExitCode2) {
   ExpectRefused("info --types /none " + log_, "/none");
   ExpectRefused("cut " + log_ + " " + out_ + " --start=-3", "--start: '-3'");
   ExpectRefused("cut " + log_ + " " + out_ + " -c '['", "--channels");
-  ExpectRefused("export " + log_, "either --csv DIR or --tum FILE");
+  ExpectRefused("export " + log_, "one of --csv DIR, --tum FILE and");
   ExpectRefused("export " + log_ + " --tum /tmp/x", "--channel");
   ExpectRefused("export " + log_ + " --tum /dev/null --channel POSE",
                 "exists already");
