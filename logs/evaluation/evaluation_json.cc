@@ -102,6 +102,15 @@ json JsonOf(const ParameterEvaluation& parameters,
   return result;
 }
 
+json FaultsJson(const ProcessHealth& process) {
+  json faults = json::array();
+  for (const ProcessFault& fault : process.faults) {
+    faults.push_back(
+        {{"text", fault.text}, {"num", fault.num}, {"first_s", fault.first_s}});
+  }
+  return faults;
+}
+
 json HealthJson(const LogRecording& recording) {
   json channels = json::object();
   for (const auto& [name, c] : recording.channels) {
@@ -128,7 +137,7 @@ json HealthJson(const LogRecording& recording) {
         {"num_bad", p.num_bad},
         {"worst_handler_us",
          p.worst_handler_us ? json(*p.worst_handler_us) : json(nullptr)},
-        {"faults", p.faults}};
+        {"faults", FaultsJson(p)}};
   }
   return {{"channels", channels},
           {"latency", recording.latency.empty() ? json(nullptr) : latency},

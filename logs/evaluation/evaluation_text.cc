@@ -110,8 +110,8 @@ void AppendHealth(const LogRecording& recording, std::string* text) {
         process.num_lost,
         process.num_dropped,
         process.num_bad);
-    for (const std::string& fault : process.faults) {
-      *text += fmt::format("  {}: fault: {}\n", name, fault);
+    for (const ProcessFault& fault : process.faults) {
+      *text += fmt::format("  {}: fault: {}\n", name, FaultText(fault));
     }
   }
   for (const auto& [channel, health] : recording.channels) {
@@ -130,6 +130,14 @@ std::string ObservabilityText(const ParameterConvergence& convergence) {
   if (percent.isZero(0.0)) return "-";
   return fmt::format(
       "{:.0f} {:.0f} {:.0f} %", percent(0), percent(1), percent(2));
+}
+
+std::string FaultText(const ProcessFault& fault) {
+  if (fault.num == 1) {
+    return fmt::format("{} (once, at {:.1f} s)", fault.text, fault.first_s);
+  }
+  return fmt::format(
+      "{} ({} times, from {:.1f} s on)", fault.text, fault.num, fault.first_s);
 }
 
 std::string WithSigmaText(double value, double sigma) {

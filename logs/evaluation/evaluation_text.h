@@ -28,6 +28,9 @@ namespace waymark {
 [[nodiscard]] std::string ObservabilityText(
     const ParameterConvergence& convergence);
 
+// "no RANGES for 9 s (8 times, from 12.5 s on)": in the words of the last one.
+[[nodiscard]] std::string FaultText(const ProcessFault& fault);
+
 // "361.0 ± 2.5", as many decimals as leave two digits of sigma, at most six;
 // four decimals and no sigma where that is 0.
 [[nodiscard]] std::string WithSigmaText(double value, double sigma);

@@ -43,6 +43,20 @@ bool IsFinite(double a, double b, double c) {
   return std::isfinite(a) && std::isfinite(b) && std::isfinite(c);
 }
 
+// What counts up or down in a text is no other fault.
+std::string WithoutNumbers(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const bool is_number = (c >= '0' && c <= '9') || c == '.';
+    if (!is_number) {
+      result += c;
+    } else if (result.empty() || result.back() != '#') {
+      result += '#';
+    }
+  }
+  return result;
+}
+
 LatencySummary SummariseLatency(std::vector<double> ms) {
   std::sort(ms.begin(), ms.end());
   const std::size_t n = ms.size();
@@ -329,11 +343,19 @@ class Collector {
       health.worst_handler_us =
           std::max(health.worst_handler_us.value_or(0), m.worst_handler_us);
     }
-    if (!m.fault.empty() &&
-        (health.faults.empty() || health.faults.back() != m.fault)) {
-      health.faults.push_back(m.fault);
-    }
+    if (!m.fault.empty()) NoteFault(m.process, m.fault);
     return true;
+  }
+
+  void NoteFault(const std::string& process, const std::string& text) {
+    auto& faults = recording_.processes[process].faults;
+    const auto [place, is_new] = fault_kinds_.try_emplace(
+        {process, WithoutNumbers(text)}, faults.size());
+    if (is_new) {
+      faults.push_back({"", 0, first_ ? Seconds(last_ - *first_) : 0.0});
+    }
+    faults[place->second].text = text;
+    ++faults[place->second].num;
   }
 
   bool OnMessage(const LogEvent& event, const config_t& m) {
@@ -353,6 +375,8 @@ class Collector {
   std::map<std::string, SomeImages> images_;
   // Key: channel, sender.
   std::map<std::pair<std::string, std::string>, std::int64_t> sequences_;
+  // Key: process, fault without its numbers. Where it is in its faults.
+  std::map<std::pair<std::string, std::string>, std::size_t> fault_kinds_;
   std::map<std::int64_t, Time> input_times_;              // utime to log time.
   std::map<std::string, std::vector<double>> latencies_;  // ms.
 };

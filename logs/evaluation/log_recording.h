@@ -35,6 +35,13 @@ struct LatencySummary {
   double max_ms = 0.0;
 };
 
+// Faults of a process that differ in their numbers at most.
+struct ProcessFault {
+  std::string text;      // Of the newest STATUS with it.
+  int num = 0;           // Of STATUS messages that tell of it.
+  double first_s = 0.0;  // Since the log's first event.
+};
+
 // Newest STATUS of one process, and the worst of all.
 struct ProcessHealth {
   std::int64_t num_statuses = 0;
@@ -44,7 +51,7 @@ struct ProcessHealth {
   std::int64_t num_dropped = 0;
   std::int64_t num_bad = 0;
   std::optional<std::int64_t> worst_handler_us;  // Absent offline.
-  std::vector<std::string> faults;               // Different ones, in order.
+  std::vector<ProcessFault> faults;              // In order of the first.
 };
 
 // An image of a camera, as a file of its own.

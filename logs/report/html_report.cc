@@ -305,7 +305,8 @@ std::string ProcessesTable(const LogRecording& recording) {
                                        {"faults", ""}}};
   for (const auto& [name, p] : recording.processes) {
     std::string faults;
-    for (const std::string& fault : p.faults) faults += fault + ". ";
+    for (const ProcessFault& fault : p.faults)
+      faults += FaultText(fault) + ". ";
     rows.push_back(
         {{name, "name"},
          {std::to_string(p.num_received), ""},

@@ -2,7 +2,10 @@
 
 #include "logs/evaluation/evaluation_text.h"
 #include "processes/support/channels.h"
+#include "processes/support/log_file.h"
 #include "tests/logs/evaluation/synthetic_log.h"
+
+#include <waymark/status_t.hpp>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -94,8 +97,38 @@ TEST_F(LogEvaluationTest, ReadsHealth) {
   const ProcessHealth& process = r.processes.at("pose_filter");
   EXPECT_EQ(process.num_dropped, 2);
   EXPECT_EQ(process.worst_handler_us, 210);
-  EXPECT_THAT(process.faults, testing::ElementsAre("synthetic fault"));
+  ASSERT_EQ(process.faults.size(), 1u);
+  EXPECT_THAT(FaultText(process.faults[0]),
+              testing::ContainsRegex("^synthetic fault .once, at [0-9.]+ s.$"));
   EXPECT_EQ(r.version, "0.1.0");
+}
+
+// What counts up is one fault, however many lines a log has of it.
+TEST_F(LogEvaluationTest, GroupsFaultsThatDifferInNumbers) {
+  const std::string path = testing::TempDir() + "/faults.lcm";
+  {
+    LogWriter writer(path, IfExists::kReplace);
+    for (int i = 0; i < 60; ++i) {
+      status_t status{};
+      status.utime = 1'700'000'000'000'000 + 1'000'000 * i;
+      status.seq = i;
+      status.process = "collision_guard";
+      if (i >= 10) {
+        status.fault = i % 2 == 0 ? "no RANGES for " + std::to_string(i) + " s"
+                                  : "stopped by teleop";
+      }
+      writer.Write("STATUS", status);
+    }
+    writer.Close();
+  }
+  const LogRecording recording = ReadRecording({&path, 1});
+  std::filesystem::remove(path);
+  const auto& faults = recording.processes.at("collision_guard").faults;
+  ASSERT_EQ(faults.size(), 2u);
+  EXPECT_EQ(FaultText(faults[0]),
+            "no RANGES for 58 s (25 times, from 10.0 s on)");
+  EXPECT_EQ(FaultText(faults[1]),
+            "stopped by teleop (25 times, from 11.0 s on)");
 }
 
 TEST_F(LogEvaluationTest, LatencyIsAbsentOffline) {
