@@ -26,6 +26,10 @@ const char* TextOf(FindingKind kind) {
       return "not finite";
     case FindingKind::kTimeBackwards:
       return "utime goes backwards";
+    case FindingKind::kMixedSenders:
+      return "several senders of one name";
+    case FindingKind::kRestart:
+      return "its sender started again";
     case FindingKind::kEventTimeBackwards:
       return "event time goes backwards";
     case FindingKind::kUnknownType:
@@ -69,8 +73,9 @@ void AddCheckCommand(CLI::App* app, int* exit_code) {
   auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app->add_subcommand(
       "check",
-      "Looks for damage, undecodable messages, times that go backwards and "
-      "numbers that are not finite; exit code 1 if there are any");
+      "Looks for damage, undecodable messages, times that go backwards, "
+      "numbers that are not finite and senders of the same name; exit code 1 "
+      "if there are any");
   command->add_option("log", options->log, "The log")->required();
   command->add_option(
       "--types", options->types, "Folder of .lcm files with further types");

@@ -14,7 +14,9 @@ namespace waymark {
 enum class FindingKind {
   kNotDecodable,        // A known type whose bytes do not decode.
   kNotFinite,           // NaN or infinity in a message of ours.
-  kTimeBackwards,       // A utime below the one before, on the same channel.
+  kTimeBackwards,       // A utime below the one before, of the same sender.
+  kMixedSenders,        // Two count their messages under one name.
+  kRestart,             // A sender that counts from the beginning again.
   kEventTimeBackwards,  // The event time below the one before it in the log.
   kUnknownType,         // A fingerprint without definition.
 };
@@ -29,7 +31,8 @@ struct Finding {
   std::string detail;         // Of the first: which field, how far back.
   double worst_step_s = 0.0;  // Of times: the farthest step back.
 
-  // A type that we do not know is no fault of the log, nor are event times that
+  // A type that we do not know is no fault of the log, nor is a sender that
+  // started again (its times may then be others), nor are event times that
   // differ by less than kMaxEventStepBackS: loggers write them in the order of
   // arrival in a queue, and clocks are slewed.
   [[nodiscard]] bool is_fault() const;
