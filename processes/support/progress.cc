@@ -25,9 +25,24 @@ std::string TimeLeftText(std::chrono::duration<double> passed,
   return text;
 }
 
-Progress::Progress(std::string what, std::int64_t total, ProgressUnit unit)
+std::string RunsText(const std::string& what,
+                     std::chrono::duration<double> passed,
+                     std::int64_t already,
+                     std::int64_t done,
+                     std::int64_t total) {
+  const std::string left =
+      TimeLeftText(passed, done - already, total - already);
+  return what + ": " + std::to_string(done) + " of " + std::to_string(total) +
+         (left.empty() ? "" : ", " + left);
+}
+
+Progress::Progress(std::string what,
+                   std::int64_t total,
+                   ProgressUnit unit,
+                   std::int64_t already)
     : what_(std::move(what)),
       total_(total),
+      already_(already),
       unit_(unit),
       is_terminal_(isatty(STDERR_FILENO) != 0),
       start_(std::chrono::steady_clock::now()),
@@ -55,14 +70,9 @@ void Progress::Show(std::int64_t done) {
                  static_cast<int>(100 * done / total_),
                  static_cast<double>(total_) / 1e6);
   } else {
-    const std::string left = TimeLeftText(now - start_, done, total_);
     std::fprintf(stderr,
-                 "\r\033[K%s: %lld of %lld%s%s",
-                 what_.c_str(),
-                 static_cast<long long>(done),
-                 static_cast<long long>(total_),
-                 left.empty() ? "" : ", ",
-                 left.c_str());
+                 "\r\033[K%s",
+                 RunsText(what_, now - start_, already_, done, total_).c_str());
   }
   std::fflush(stderr);
 }

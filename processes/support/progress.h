@@ -15,10 +15,12 @@ enum class ProgressUnit {
 // Silent where stderr is no terminal, and in the first half second.
 class Progress {
  public:
-  // `what` is "reading drive.log"; `total` at least 0.
+  // `what` is "reading drive.log"; `total` at least 0. `already`: of it, done
+  // before this began; says nothing of the pace.
   Progress(std::string what,
            std::int64_t total,
-           ProgressUnit unit = ProgressUnit::kBytes);
+           ProgressUnit unit = ProgressUnit::kBytes,
+           std::int64_t already = 0);
   ~Progress();  // Clears.
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -30,6 +32,7 @@ class Progress {
  private:
   std::string what_;
   std::int64_t total_;
+  std::int64_t already_;
   ProgressUnit unit_;
   bool is_terminal_;
   bool is_shown_ = false;
@@ -42,5 +45,12 @@ class Progress {
 [[nodiscard]] std::string TimeLeftText(std::chrono::duration<double> passed,
                                        std::int64_t done,
                                        std::int64_t total);
+
+// "drive: 214 of 1000, 2 min left".
+[[nodiscard]] std::string RunsText(const std::string& what,
+                                   std::chrono::duration<double> passed,
+                                   std::int64_t already,
+                                   std::int64_t done,
+                                   std::int64_t total);
 
 }  // namespace waymark

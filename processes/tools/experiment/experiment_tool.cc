@@ -11,9 +11,11 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <set>
 #include <string>
 #include <system_error>
 
@@ -32,36 +34,73 @@ struct Request {
   bool prints_config = false;
 };
 
+// Behind the name of a log until its run has ended.
+constexpr const char* kUnfinished = ".part";
+
+std::string WorstFolder(const Request& request) {
+  return request.out + "/worst";
+}
+
 void MakeFolder(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error) throw InputError(path + ": " + error.message());
 }
 
-// The worst runs once more, with a log: they come out the same. Logs of runs
-// that are no longer among them go.
-void KeepWorst(const Experiment& experiment,
-               const std::vector<RunResult>& results,
-               const Request& request) {
-  const std::string folder = request.out + "/worst";
-  const std::string prefix = "seed_";
+std::string LogOf(const std::string& folder, std::uint64_t seed) {
+  return folder + "/seed_" + std::to_string(seed) + ".lcm";
+}
+
+// Removes the logs of all other seeds, and what a run that was stopped left.
+void KeepLogsOf(const std::set<std::uint64_t>& seeds,
+                const std::string& folder) {
+  std::set<std::string> kept;
+  for (const std::uint64_t seed : seeds) {
+    kept.insert(std::filesystem::path(LogOf(folder, seed)).filename().string());
+  }
   std::error_code ignored;
   for (const auto& entry :
        std::filesystem::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (name.starts_with(prefix) && name.ends_with(".lcm")) {
+    const bool is_ours =
+        name.starts_with("seed_") &&
+        (name.ends_with(".lcm") || name.ends_with(kUnfinished));
+    if (is_ours && !kept.contains(name)) {
       std::filesystem::remove(entry.path(), ignored);
     }
   }
-  for (const std::uint64_t seed : WorstSeeds(results, request.num_worst)) {
-    MakeFolder(folder);
-    const std::string log =
-        folder + "/" + prefix + std::to_string(seed) + ".lcm";
-    std::string reason;
-    try {
-      reason = experiment.Run(seed, log).reason;
-    } catch (const std::exception& error) {
-      reason = error.what();  // The log ends where it failed.
+}
+
+// The worst runs once more, with a log: they come out the same. A log that is
+// there is whole, and of this result; logs of runs that are no longer among the
+// worst go.
+void KeepWorst(const Experiment& experiment,
+               const std::vector<RunResult>& results,
+               const Request& request) {
+  const std::string folder = WorstFolder(request);
+  const auto worst = WorstSeeds(results, request.num_worst);
+  KeepLogsOf({worst.begin(), worst.end()}, folder);
+  for (const std::uint64_t seed : worst) {
+    const std::string log = LogOf(folder, seed);
+    const auto result = std::find_if(
+        results.begin(), results.end(), [seed](const RunResult& r) {
+          return r.seed == seed;
+        });
+    std::string reason = result->reason;
+    if (!std::filesystem::exists(log)) {
+      MakeFolder(folder);
+      const std::string unfinished = log + kUnfinished;
+      try {
+        reason = experiment.Run(seed, unfinished).reason;
+      } catch (const std::exception& error) {
+        reason = error.what();  // The log ends where it failed.
+      }
+      std::error_code error;
+      // It may have failed before the first message.
+      if (std::filesystem::exists(unfinished)) {
+        std::filesystem::rename(unfinished, log, error);
+      }
+      if (error) throw InputError(log + ": " + error.message());
     }
     std::printf(
         "  %s%s%s\n", log.c_str(), reason.empty() ? "" : ": ", reason.c_str());
@@ -106,6 +145,10 @@ void RunExperiment(const ExperimentClass& experiment_class,
                    experiment_class.name,
                    configuration + experiment->Subject() + ", Waymark " +
                        WAYMARK_VERSION + "\n");
+  // A log without its result is of another configuration.
+  std::set<std::uint64_t> known;
+  for (const auto& [seed, result] : file.results()) known.insert(seed);
+  KeepLogsOf(known, WorstFolder(request));
   const SweepReport sweep = RunSweep(*experiment, options, &file);
   const SweepSummary summary = SummariseRuns(sweep.results);
   const std::string json =

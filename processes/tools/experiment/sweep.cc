@@ -130,12 +130,14 @@ SweepReport RunSweep(const Experiment& experiment,
   std::map<std::uint64_t, RunResult> crashed;
   SweepReport report;
   {
-    const auto total = static_cast<std::int64_t>(waiting.size());
+    const auto total = static_cast<std::int64_t>(options.seeds.size());
+    const std::int64_t already =
+        total - static_cast<std::int64_t>(waiting.size());
     Progress progress(
-        std::string(experiment.name()), total, ProgressUnit::kRuns);
+        std::string(experiment.name()), total, ProgressUnit::kRuns, already);
     Signals signals;
     std::vector<Worker> workers;
-    std::int64_t num_done = 0;
+    std::int64_t num_done = already;
     while (!waiting.empty() || !workers.empty()) {
       while (!waiting.empty() &&
              workers.size() < static_cast<std::size_t>(options.num_jobs)) {

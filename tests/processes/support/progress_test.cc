@@ -15,5 +15,13 @@ TEST(Progress, TimeLeftGoesByThePaceSoFar) {
   EXPECT_EQ(TimeLeftText(seconds(10), 100, 100), "0 s left");
 }
 
+// A sweep that goes on: what was there counts, but says nothing of the pace.
+TEST(Progress, GoesOnFromWhatWasAlreadyDone) {
+  EXPECT_EQ(RunsText("drive", seconds(1), 200, 200, 1000),
+            "drive: 200 of 1000");
+  EXPECT_EQ(RunsText("drive", seconds(14), 200, 214, 1000),
+            "drive: 214 of 1000, 13 min left");
+}
+
 }  // namespace
 }  // namespace waymark

@@ -2,6 +2,7 @@
 
 #include "estimation/base/input_error.h"
 #include "estimation/base/random.h"
+#include "processes/tools/experiment/experiment_tool.h"
 #include "processes/tools/experiment/sweep_report.h"
 #include "tests/support/temporary_directory.h"
 
@@ -10,7 +11,9 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
@@ -135,6 +138,75 @@ TEST_F(SweepTest, RunsThatThrowOrCrashAreFailuresAndNoMore) {
   RunResult direct = dice_.Run(17, "");
   direct.seed = 17;
   EXPECT_EQ(again.results[16], direct);
+}
+
+// Its own runs and the number of those with a log, in this process.
+class LoggedDice final : public Experiment {
+ public:
+  explicit LoggedDice(std::vector<std::uint64_t>* logged) : logged_(logged) {}
+  [[nodiscard]] std::string_view name() const override { return "dice"; }
+  void Describe(Describer& d) override {
+    d.Number("luck", &luck_, {0.0, 1.0}, "Share of success");
+  }
+  void Prepare() override {}
+  [[nodiscard]] std::string Subject() const override { return "dice"; }
+  [[nodiscard]] RunResult Run(std::uint64_t seed,
+                              const std::string& log) const override {
+    RunResult result;
+    result.reason = "lost";
+    result.num_touches = static_cast<std::int64_t>(seed);
+    if (!log.empty()) {
+      logged_->push_back(seed);
+      std::ofstream(log) << "log of " << seed;
+    }
+    return result;
+  }
+
+ private:
+  double luck_ = 0.5;
+  std::vector<std::uint64_t>* logged_;
+};
+
+// What has been logged is not run again; what is not whole, or of results that
+// are gone, is.
+TEST_F(SweepTest, LogsOfTheWorstRunsAreMadeOnce) {
+  std::vector<std::uint64_t> logged;
+  const auto run = [&](int num_seeds) {
+    logged.clear();
+    std::vector<std::string> words{"waymark-experiment",
+                                   "dice",
+                                   "--out=" + Path("out"),
+                                   "--keep-worst=2",
+                                   "--seeds=" + std::to_string(num_seeds)};
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    testing::internal::CaptureStdout();
+    const int code = RunExperimentTool(
+        static_cast<int>(argv.size()),
+        argv.data(),
+        {{"dice", "", [&] { return std::make_unique<LoggedDice>(&logged); }}});
+    const std::string output = testing::internal::GetCapturedStdout();
+    EXPECT_THAT(
+        output,
+        HasSubstr("worst/seed_" + std::to_string(num_seeds) + ".lcm: lost\n"));
+    return code;
+  };
+  EXPECT_EQ(run(4), 0);
+  EXPECT_THAT(logged, ElementsAre(4, 3));
+  EXPECT_EQ(run(4), 0);
+  EXPECT_THAT(logged, ElementsAre());
+  EXPECT_EQ(run(5), 0);
+  EXPECT_THAT(logged, ElementsAre(5));
+  const std::filesystem::path worst = Path("out/worst");
+  EXPECT_FALSE(std::filesystem::exists(worst / "seed_3.lcm"));
+  // Stopped while it wrote.
+  std::filesystem::rename(worst / "seed_5.lcm", worst / "seed_5.lcm.part");
+  EXPECT_EQ(run(5), 0);
+  EXPECT_THAT(logged, ElementsAre(5));
+  EXPECT_FALSE(std::filesystem::exists(worst / "seed_5.lcm.part"));
+  std::filesystem::remove(Path("out/runs.jsonl"));
+  EXPECT_EQ(run(5), 0);
+  EXPECT_THAT(logged, ElementsAre(5, 4));
 }
 
 TEST_F(SweepTest, ASignalStopsItAndKeepsWhatIsDone) {
