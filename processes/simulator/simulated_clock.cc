@@ -4,11 +4,15 @@
 
 namespace waymark {
 
-SimulatedClock::SimulatedClock(double speed, Time now, Time start)
+SimulatedClock::SimulatedClock(double speed,
+                               Duration tick,
+                               Time now,
+                               Time start)
     : speed_(speed),
       begin_(now),
       start_(start),
-      max_catch_up_(DurationFromSeconds(speed * Seconds(kMaxCatchUp))),
+      max_catch_up_(DurationFromSeconds(
+          speed * Seconds(std::max(kMaxCatchUp, 2 * tick)))),
       shown_(start) {}
 
 Time SimulatedClock::At(Time now) {

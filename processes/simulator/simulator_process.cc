@@ -56,6 +56,12 @@ SceneLooks LooksFor(const SimulatorConfig& config) {
              : SceneLooks::kDrawn;
 }
 
+// How often the clock is looked at: once for each reading of the encoders.
+Duration TickOf(const SimulatorConfig& config) {
+  const double speed = config.pace == Pace::kRealTime ? config.speed : 1.0;
+  return DurationFromSeconds(1.0 / (config.encoder_rate_hz * speed));
+}
+
 }  // namespace
 
 SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
@@ -91,12 +97,10 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
   bus->Subscribe<pan_tilt_t>(kPanTiltCommand,
                              Keep::Latest(),
                              [this](const pan_tilt_t& m, Time) { OnHead(m); });
-  const double speed = config_.pace == Pace::kRealTime ? config_.speed : 1.0;
-  bus->Every(DurationFromSeconds(1.0 / (config_.encoder_rate_hz * speed)),
-             [this](Time now) {
-               config_.pace == Pace::kRealTime ? OnTick(now) : OnStepTick(now);
-               ShowFault(now);
-             });
+  bus->Every(TickOf(config_), [this](Time now) {
+    config_.pace == Pace::kRealTime ? OnTick(now) : OnStepTick(now);
+    ShowFault(now);
+  });
 }
 
 Pose2 SimulatorProcess::StartPose() const {
@@ -208,8 +212,10 @@ void SimulatorProcess::OnTick(Time now) {
   if (!simulation_) {
     const Time start = StartTime(now);
     simulation_.emplace(MakeSimulation(start));
-    clock_.emplace(
-        config_.speed, now, bus_->is_offline() ? start : start + kTimerSlack);
+    clock_.emplace(config_.speed,
+                   TickOf(config_),
+                   now,
+                   bus_->is_offline() ? start : start + kTimerSlack);
   }
   const Duration lost = clock_->lost();
   const Time simulated = clock_->At(now);

@@ -69,13 +69,11 @@ int main(int argc, char** argv) {
   ::unsetenv("LCM_DEFAULT_URL");
   const int result = RUN_ALL_TESTS();
   const auto& run = *testing::UnitTest::GetInstance();
-  if (result == 0 && run.skipped_test_count() > 0 &&
-      run.successful_test_count() == 0) {
-    std::printf("skipped: %d tests: %s\n",
+  // Whoever reads the sum of all tests sees that not all was judged here.
+  if (result == 0 && run.skipped_test_count() > 0) {
+    std::printf("\nskipped: %d of %d tests\n",
                 run.skipped_test_count(),
-                waymark::why_no_network.empty()
-                    ? "the machine stood still"
-                    : waymark::why_no_network.c_str());
+                run.test_to_run_count());
   }
   return result;
 }

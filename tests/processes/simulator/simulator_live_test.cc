@@ -100,6 +100,25 @@ TEST_F(SimulatorLiveTest, AfterAStopOfTheMachineItSendsATenthOfASecondNoMore) {
   EXPECT_EQ(bus.fault(), "");
 }
 
+TEST_F(SimulatorLiveTest, SlowTicksAreInTimeToo) {
+  for (const auto& [rate_hz, speed] :
+       {std::pair(0.5, 1.0), {5.0, 1.0}, {50.0, 0.1}}) {
+    config_.encoder_rate_hz = rate_hz;
+    config_.speed = speed;
+    ManualBus bus(kStart);
+    SimulatorProcess process(config_, &bus);
+    bus.Run(seconds(40));
+    const auto encoders = bus.Messages<encoders_t>("ENCODERS");
+    ASSERT_FALSE(encoders.empty());
+    EXPECT_NEAR(1e-6 * static_cast<double>(encoders.back().utime -
+                                           encoders.front().utime),
+                40.0 * speed,
+                2.0 / rate_hz)
+        << rate_hz << " Hz";
+    EXPECT_EQ(bus.fault(), "") << rate_hz << " Hz";
+  }
+}
+
 TEST_F(SimulatorLiveTest, ARestartDoesNotSetTimeBack) {
   config_.state_file = Path("state");
   for (const double speed : {1.0, 10.0}) {
