@@ -15,6 +15,8 @@ wanted=()
 usage() {
   cat <<TEXT
 usage: ./run demo [NAME...] [--speed X] [--out FOLDER]
+       ./run demo drive [--world NAME] [--route NAME] [--keyboard]
+                        [--camera NAME] [--out FOLDER]
 
 Imports recordings of real robots, plays them by lcm-logplayer to pose_filter
 and batch_refiner, records by lcm-logger, evaluates, and writes
@@ -22,6 +24,8 @@ FOLDER/report.html (out/demo). NAME: lego, square, circular, ivanjko, maebot,
 or one of logs/samples; without a name all recordings. They are looked for in
 WAYMARK_DATA (shared/data beside the clone); without them logs/samples are
 played. --speed: multiple of the recorded speed (6).
+
+With drive: a simulated robot in an office, live; see ./run demo drive --help.
 TEXT
 }
 inside=0

@@ -29,6 +29,9 @@ class BatchRefinerProcess {
  public:
   using Config = BatchRefinerConfig;
   static constexpr std::string_view kName = "batch_refiner";
+  static constexpr std::string_view kAbout =
+      "Wheel parameters over a sliding window: ENCODERS, POSITION_FIX, "
+      "RELATIVE_MOTION, ODOMETRY_PARAMETERS -> ODOMETRY_PARAMETERS.";
 
   BatchRefinerProcess(const Config& config, Bus* bus);
   // Solves what came after the last solution.

@@ -28,6 +28,9 @@ class CollisionGuardProcess {
  public:
   using Config = CollisionGuardConfig;
   static constexpr std::string_view kName = "collision_guard";
+  static constexpr std::string_view kAbout =
+      "Lets through what of a motion ends before the next obstacle: "
+      "MOTION_REQUEST, STOP, RANGES, BASE -> MOTION_COMMAND.";
 
   // Throws InputError where the stop file cannot be written.
   CollisionGuardProcess(const Config& config, Bus* bus);

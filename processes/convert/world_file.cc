@@ -19,6 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kFolder = "worlds";
+constexpr std::string_view kSourceFolder = "drivers/simulator/worlds";
+constexpr std::string_view kExtension = ".yaml";
 constexpr int kMaxBases = 8;  // Files built upon each other.
 
 // nullopt for the name of a file.
@@ -74,7 +77,11 @@ World LoadWorldFile(const std::string& path) {
 
 std::string FindWorldFile(const std::string& name) {
   if (RandomSeedOf(name)) return name;
-  return FindShippedFile(name, "worlds", "drivers/simulator/worlds", ".yaml");
+  return FindShippedFile(name, kFolder, kSourceFolder, kExtension);
+}
+
+std::set<std::string> WorldNames() {
+  return ShippedNames(kFolder, kSourceFolder, kExtension);
 }
 
 }  // namespace waymark

@@ -3,6 +3,7 @@
 
 #include "drivers/simulator/world.h"
 
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -25,6 +26,8 @@ namespace waymark {
 // what LoadWorldFile() takes for RandomWorld(17); throws InputError where no
 // number from 0 on follows.
 [[nodiscard]] std::string FindWorldFile(const std::string& name);
+// The worlds that come with Waymark.
+[[nodiscard]] std::set<std::string> WorldNames();
 // What the names of random worlds begin with.
 inline constexpr std::string_view kRandomWorld = "random:";
 

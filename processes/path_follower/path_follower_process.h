@@ -14,6 +14,9 @@ class PathFollowerProcess {
  public:
   using Config = TaskFollowerConfig;
   static constexpr std::string_view kName = "path_follower";
+  static constexpr std::string_view kAbout =
+      "Drives along way-points by the estimated pose: TASK, POSE -> "
+      "MOTION_REQUEST, TASK_STATUS.";
 
   // Throws InputError where the task file cannot be written.
   PathFollowerProcess(const Config& config, Bus* bus);

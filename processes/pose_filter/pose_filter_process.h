@@ -21,6 +21,10 @@ class PoseFilterProcess {
  public:
   using Config = PoseFilterConfig;
   static constexpr std::string_view kName = "pose_filter";
+  static constexpr std::string_view kAbout =
+      "Where the robot is: ENCODERS, POSITION_FIX, RELATIVE_MOTION, "
+      "INITIAL_POSE, ODOMETRY_PARAMETERS -> POSE, POSE_BOT, POSE_SETTLED, "
+      "ODOMETRY, ODOMETRY_PARAMETERS.";
 
   // Throws InputError where the parameter file cannot be used.
   PoseFilterProcess(const Config& config, Bus* bus);

@@ -45,6 +45,10 @@ class SimulatorProcess {
  public:
   using Config = SimulatorConfig;
   static constexpr std::string_view kName = "simulator";
+  static constexpr std::string_view kAbout =
+      "A robot in a simulated world, as its own drivers would send it: "
+      "MOTION_COMMAND, PAN_TILT_COMMAND -> ENCODERS, RANGES, BASE, TRUTH, "
+      "IMAGE_<camera>, CAMERA_INFO_<camera>.";
   static constexpr bool kIsLiveOnly = true;
 
   // Throws InputError for a world, camera or state file that cannot be used,

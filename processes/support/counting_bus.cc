@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 namespace waymark {
@@ -175,6 +176,23 @@ status_t CountingBus::MakeStatus() {
   }
   status.num_channels = static_cast<std::int32_t>(status.channels.size());
   return status;
+}
+
+std::string CountingBus::ChannelsText() const {
+  std::set<std::string> received;
+  for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+    if (!counters_[i].hidden) received.insert(subscriptions_[i].channel);
+  }
+  std::set<std::string> sent;
+  for (const Advertisement& it : advertisements_) sent.insert(it.channel);
+  const auto list = [](const std::set<std::string>& channels) {
+    std::string text;
+    for (const std::string& channel : channels) {
+      text += (text.empty() ? "" : ", ") + channel;
+    }
+    return text.empty() ? std::string("nothing") : text;
+  };
+  return "receives " + list(received) + "; sends " + list(sent);
 }
 
 bool CountingBus::IsOwn(std::string_view channel,

@@ -49,6 +49,9 @@ class CountingBus : public Bus {
   // The newest time that this bus knows of, 0 where it knows none.
   [[nodiscard]] virtual std::int64_t event_utime() const { return 0; }
 
+  // "receives A, B; sends C": what the process has declared so far.
+  [[nodiscard]] std::string ChannelsText() const;
+
   // Run by the transport, on its clock.
   [[nodiscard]] Timers& timers() { return timers_; }
   [[nodiscard]] const Timers& timers() const { return timers_; }

@@ -38,12 +38,14 @@ struct ProcessClass {
   std::string name;  // procman's, the executable's and the folder's.
   std::function<std::unique_ptr<ProcessSetup>()> make_setup;
   bool is_live_only = false;  // Drives a device: there is no offline run.
+  std::string about;          // For --help: what it does, from which channels
+                              // to which.
 };
 
 // P has a nested type Config with Describe(Describer&) and, if it wants one,
 // Check() const and CheckFiles() const; a constant kName; a constructor (const
 // Config&, Bus*); and if it wants one, Finish(). A constant kIsLiveOnly = true
-// says that it drives a device.
+// says that it drives a device, a text kAbout what it does.
 template <typename P>
 [[nodiscard]] ProcessClass MakeProcessClass() {
   class Running final : public RunningProcess {
@@ -77,11 +79,15 @@ template <typename P>
    private:
     typename P::Config config_;
   };
-  return {std::string(P::kName),
-          [] { return std::make_unique<Setup>(); },
-          requires {requires P::kIsLiveOnly;
-}
-};  // namespace waymark
+  ProcessClass process_class{std::string(P::kName),
+                             [] { return std::make_unique<Setup>(); },
+                             false,
+                             {}};
+  process_class.is_live_only = requires {
+    requires P::kIsLiveOnly;
+  };
+  if constexpr (requires { P::kAbout; }) process_class.about = P::kAbout;
+  return process_class;
 }
 
 }  // namespace waymark

@@ -20,6 +20,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <sstream>
 #include <system_error>
 
 namespace waymark {
@@ -50,7 +51,10 @@ void AddFlags(CLI::App* app, Flags* flags) {
       ->allow_extra_args(false);
   auto* lcm_url =
       app->add_option(
-             "--lcm-url", flags->lcm_url, "Run live on this LCM network")
+             "--lcm-url",
+             flags->lcm_url,
+             "Run live on this LCM network (default: LCM_DEFAULT_URL, else "
+             "udpm://239.255.76.67:7667?ttl=0)")
           ->type_name("URL");
   auto* log_in =
       app->add_option("--log-in", flags->log_in, "Run offline on this log")
@@ -108,13 +112,15 @@ int RunLive(const ProcessClass& process_class,
   const std::string url = LcmUrl(flags.lcm_url);
   LcmBus bus(process_class.name, url);
   const std::unique_ptr<RunningProcess> process = setup->Construct(&bus);
+  const std::string channels = bus.ChannelsText();
   bus.WatchForTwins();
   StatusReporter reporter(
       &bus, PrintConfiguration([setup](Describer& d) { setup->Describe(d); }));
   bus.Start();
   const LcmBus::Socket socket = bus.socket();
-  spdlog::info("live on {}{}",
+  spdlog::info("live on {}: {}{}",
                url,
+               channels,
                socket.granted_bytes < socket.wanted_bytes
                    ? fmt::format(", with {} of {} KiB of receive buffer",
                                  socket.granted_bytes / 1024,
@@ -182,6 +188,20 @@ int Run(const ProcessClass& process_class, const Flags& flags) {
                               : RunOffline(process_class, flags);
 }
 
+// A text as lines of a terminal, each behind a line end.
+std::string Lines(const std::string& text) {
+  constexpr std::size_t kWidth = 80;
+  std::istringstream words(text);
+  std::string lines;
+  std::size_t width = kWidth;
+  for (std::string word; words >> word; width += 1 + word.size()) {
+    const bool fits = width + 1 + word.size() <= kWidth;
+    lines += (fits ? ' ' : '\n') + word;
+    if (!fits) width = 0;
+  }
+  return lines;
+}
+
 // An error of many lines, made one.
 std::string OneLine(std::string text) {
   for (char& c : text) {
@@ -214,7 +234,11 @@ int RunProcessClass(const ProcessClass& process_class, int argc, char** argv) {
   const std::string& name = process_class.name;
   LogToStderr(name);
   Flags flags;
-  CLI::App app("Process " + name + " of Waymark.", name);
+  CLI::App app("Process " + name + " of Waymark." + Lines(process_class.about),
+               name);
+  app.footer(
+      "Configuration keys: --describe-config. What is on each channel: "
+      "lcmtypes/README.md.");
   AddFlags(&app, &flags);
   try {
     app.parse(argc, argv);

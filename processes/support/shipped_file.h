@@ -1,6 +1,7 @@
 // Files that come with Waymark.
 #pragma once
 
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,10 @@ namespace waymark {
                                           std::string_view folder,
                                           std::string_view source_folder,
                                           std::string_view extension);
+
+// The names that it knows.
+[[nodiscard]] std::set<std::string> ShippedNames(std::string_view folder,
+                                                 std::string_view source_folder,
+                                                 std::string_view extension);
 
 }  // namespace waymark

@@ -25,6 +25,9 @@ class TeleopProcess {
  public:
   using Config = TeleopConfig;
   static constexpr std::string_view kName = "teleop";
+  static constexpr std::string_view kAbout =
+      "A robot driven by the keys of a terminal; shows MOTION_COMMAND, BASE "
+      "and POSE -> MOTION_REQUEST, STOP.";
   static constexpr bool kIsLiveOnly = true;
 
   // Throws InputError where `input_fd` is no terminal.

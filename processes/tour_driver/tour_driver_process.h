@@ -15,6 +15,9 @@ class TourDriverProcess {
  public:
   using Config = TaskFollowerConfig;
   static constexpr std::string_view kName = "tour_driver";
+  static constexpr std::string_view kAbout =
+      "Drives tours by the true pose of a simulation: TASK, TRUTH -> "
+      "MOTION_REQUEST, TASK_STATUS.";
 
   // Throws InputError where the task file cannot be written.
   TourDriverProcess(const Config& config, Bus* bus);

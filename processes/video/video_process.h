@@ -25,6 +25,9 @@ class VideoProcess {
  public:
   using Config = VideoConfig;
   static constexpr std::string_view kName = "video";
+  static constexpr std::string_view kAbout =
+      "Images of a camera, a video file or a folder -> IMAGE_<camera>, "
+      "CAMERA_INFO_<camera>.";
   static constexpr bool kIsLiveOnly = true;
 
   VideoProcess(const Config& config, Bus* bus);

@@ -22,6 +22,8 @@ class WheelsProcess {
  public:
   using Config = WheelsConfig;
   static constexpr std::string_view kName = "wheels";
+  static constexpr std::string_view kAbout =
+      "An iRobot Create 2 at a serial port: MOTION_COMMAND -> ENCODERS, BASE.";
   static constexpr bool kIsLiveOnly = true;
 
   WheelsProcess(const Config& config, Bus* bus);

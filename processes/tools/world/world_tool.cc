@@ -22,6 +22,7 @@
 #include <waymark/truth_t.hpp>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -31,6 +32,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -279,6 +281,39 @@ void Info(const Request& request) {
   }
 }
 
+// The first sentence of the comment that a world file begins with.
+std::string DescriptionOf(const std::string& path) {
+  std::ifstream file(path);
+  std::string text;
+  for (std::string line; std::getline(file, line) && line.starts_with('#');) {
+    const std::size_t begin = line.find_first_not_of("# ");
+    if (begin == std::string::npos) break;
+    text += (text.empty() ? "" : " ") + line.substr(begin);
+  }
+  const std::size_t end = text.find(". ");
+  return end == std::string::npos ? text : text.substr(0, end + 1);
+}
+
+void List() {
+  for (const std::string& name : WorldNames()) {
+    const std::string path = FindWorldFile(name);
+    Eigen::AlignedBox2d box;
+    try {
+      const World world = LoadWorldFile(path);
+      for (const WorldRoom& room : world.rooms) {
+        for (const Eigen::Vector2d& p : room.outline) box.extend(p);
+      }
+    } catch (const InputError&) {
+      // Its model is not here; the others are.
+    }
+    const std::string size = box.isEmpty() ? std::string("-")
+                                           : fmt::format("{:.0f} x {:.0f} m",
+                                                         box.sizes().x(),
+                                                         box.sizes().y());
+    fmt::print("{:<20} {:<10} {}\n", name, size, DescriptionOf(path));
+  }
+}
+
 void Plan(const Request& request) {
   CheckImageOutput(request, request.out, "--out", false);
   const World world = LoadWorldFile(FindWorldFile(request.world));
@@ -412,6 +447,13 @@ void AddInfo(CLI::App* app, Request* request) {
   command->callback([request] { Info(*request); });
 }
 
+void AddList(CLI::App* app) {
+  app->add_subcommand("list",
+                      "The worlds that come with Waymark, one a line: name, "
+                      "size, what it is")
+      ->callback([] { List(); });
+}
+
 void AddCheck(CLI::App* app, Request* request, int* exit_code) {
   CLI::App* command = app->add_subcommand(
       "check",
@@ -443,6 +485,7 @@ int RunWorldTool(int argc, char** argv) {
                    AddRender(app, &request);
                    AddPlan(app, &request);
                    AddInfo(app, &request);
+                   AddList(app);
                    AddCheck(app, &request, exit_code);
                  });
 }

@@ -183,7 +183,10 @@ TEST_F(RunProcessTest, SignalsEndALiveProcess) {
     echo.Signal(signal);
     const ChildResult result = echo.Wait();
     EXPECT_EQ(result.exit_code, 0);
-    EXPECT_THAT(result.err, HasSubstr(" info: live on memq://\n"));
+    EXPECT_THAT(result.err,
+                HasSubstr(" info: live on memq://: receives ENCODERS, "
+                          "ODOMETRY_PARAMETERS; sends ODOMETRY, "
+                          "ODOMETRY_PARAMETERS, POSE\n"));
   }
 }
 

@@ -78,6 +78,14 @@ TEST_F(WorldTool, RendersImageDepthSurfacesAndEdges) {
   EXPECT_THAT(error_, HasSubstr("a.png"));
 }
 
+TEST_F(WorldTool, ListsTheWorldsThatComeWithIt) {
+  ASSERT_EQ(Run({"list"}), 0) << error_;
+  EXPECT_THAT(output_,
+              HasSubstr("office_u             18 x 9 m   A U-shaped hallway "
+                        "with a pillar, and three offices.\n"));
+  EXPECT_THAT(output_, HasSubstr("t_corridors          15 x 12 m "));
+}
+
 TEST_F(WorldTool, ChecksStartsPlacesAndBrightness) {
   EXPECT_EQ(Run({"check", world_, "-v"}), 0) << output_;
   EXPECT_THAT(output_, HasSubstr("good: start 0, 0 deg, perspective: mean"));
