@@ -124,13 +124,8 @@ LcmConnection::LcmConnection(std::string url)
       port_(PortOf(url_)),
       wanted_bytes_(2 * ReceiveBufferOf(url_)) {
   CheckLcmReachable(url_);
-  // The kernel doubles what it is asked for, and LCM complains in three lines
-  // of its own where the result is less than it asked for. We ask for what can
-  // be had, and tell of it when it matters.
-  const std::int64_t can_be_had = 2 * LargestReceiveBuffer();
-  lcm_.reset(lcm_create(
-      WithReceiveBuffer(url_, std::min(ReceiveBufferOf(url_), can_be_had))
-          .c_str()));
+  // What it is short of is told when it matters.
+  lcm_.reset(lcm_create(WithGrantedBuffer(url_).c_str()));
   if (lcm_ == nullptr) throw InputError("LCM refuses the URL " + url_);
 }
 

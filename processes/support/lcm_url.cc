@@ -298,4 +298,9 @@ std::int64_t LargestReceiveBuffer() {
   return granted / 2;
 }
 
+std::string WithGrantedBuffer(std::string_view url) {
+  return WithReceiveBuffer(
+      url, std::min(ReceiveBufferOf(url), 2 * LargestReceiveBuffer()));
+}
+
 }  // namespace waymark

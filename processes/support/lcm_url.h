@@ -33,6 +33,11 @@ void CheckLcmReachable(std::string_view url);
 [[nodiscard]] std::string WithReceiveBuffer(std::string_view url,
                                             std::int64_t num_bytes);
 
+// The URL with a receive buffer that can be had: the kernel doubles what it is
+// asked for, and LCM complains in three lines of its own where the result is
+// less than it asked for.
+[[nodiscard]] std::string WithGrantedBuffer(std::string_view url);
+
 // UDP port of a udpm URL, 0 of any other.
 [[nodiscard]] int PortOf(std::string_view url);
 

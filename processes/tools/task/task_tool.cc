@@ -99,7 +99,7 @@ std::string Printable(std::string text) {
 class Talk {
  public:
   explicit Talk(const TaskOptions& options) : timeout_s_(options.timeout_s) {
-    const std::string url = LcmUrl(options.url);
+    const std::string url = WithGrantedBuffer(LcmUrl(options.url));
     CheckLcmReachable(url);
     lcm_ = std::make_unique<lcm::LCM>(url);
     if (!lcm_->good()) throw InputError("LCM cannot be created with " + url);

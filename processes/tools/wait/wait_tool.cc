@@ -56,10 +56,7 @@ Steady::duration FromSeconds(double seconds) {
 // True once `is_done` says so, false once the time has passed.
 template <typename IsDone>
 bool WaitUntil(const WaitOptions& options, Seen* seen, const IsDone& is_done) {
-  // No more than can be had, or LCM complains; a lost message costs nothing.
-  const std::string wanted = LcmUrl(options.url);
-  const std::string url = WithReceiveBuffer(
-      wanted, std::min(ReceiveBufferOf(wanted), 2 * LargestReceiveBuffer()));
+  const std::string url = WithGrantedBuffer(LcmUrl(options.url));
   CheckLcmReachable(url);
   lcm::LCM lcm(url);
   if (!lcm.good()) throw InputError("LCM cannot be created with " + url);

@@ -103,6 +103,12 @@ TEST(LcmUrl, PartsOfIt) {
   EXPECT_EQ(ReceiveBufferOf("memq://"), 0);
   EXPECT_EQ(WithReceiveBuffer(url, 5), "udpm://:7668?recv_buf_size=5&ttl=0");
   EXPECT_GT(LargestReceiveBuffer(), 0);
+  // What can be had is asked for as it is, more never.
+  EXPECT_EQ(WithGrantedBuffer("udpm://:7668?recv_buf_size=4096"),
+            "udpm://:7668?recv_buf_size=4096");
+  EXPECT_LE(ReceiveBufferOf(
+                WithGrantedBuffer("udpm://:7668?recv_buf_size=1000000000000")),
+            2 * LargestReceiveBuffer());
 }
 
 TEST(LcmUrl, NoBrokerIsOneLineThatSaysHowToStartOne) {
