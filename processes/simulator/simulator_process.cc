@@ -81,6 +81,13 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
   start_.X_WR = StartPose();
   CheckPlace(start_.X_WR, world_.source + ": start");
   if (!config_.state_file.empty()) LoadState();
+  if (!bus->is_offline()) {
+    spdlog::info("in {}: a robot at x {:.2f} m, y {:.2f} m, {:.0f} deg",
+                 world_.source,
+                 start_.X_WR.x,
+                 start_.X_WR.y,
+                 DegreesFromRadians(start_.X_WR.heading));
+  }
   AddCamera(config_.camera);
   AddCamera(config_.second_camera);
   scene_ = Scene{};  // All that draws it has its own copy.
