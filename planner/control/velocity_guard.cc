@@ -22,6 +22,9 @@ constexpr double kRounding = 1e-9;
 // Points of a wide echo lie no further apart, m: less than anything that
 // fits between them could matter.
 constexpr double kArcSpacing = 0.03;
+// So many at most: a beam of 90 deg at 19 m, which is beyond the reach of all
+// but very fast robots, and those keep more than this between them.
+constexpr int kMaxArcParts = 1000;
 // More than the sum of all delays: older commands have had their effect, once
 // the time to reach them is added.
 constexpr double kForgetS = 3.0;
@@ -79,16 +82,25 @@ void VelocityGuard::SetRanges(const RangeScan& scan) {
   range_time_ = scan.time;
   echoes_.clear();
   seen_.clear();
+  // From the sensor, over all the way that the robot goes while these ranges
+  // count. What is farther, or what a driver sends for no echo, is no obstacle
+  // yet, whatever number that is.
+  const double farthest =
+      options_.X_RS.position().norm() + Reach() +
+      options_.max_speed *
+          (options_.max_range_age + options_.max_latency_s + kStepS);
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
     const double range = scan.ranges[i];
     if (!std::isfinite(range) || range <= options_.min_range) continue;
     const double angle = scan.first_angle + static_cast<double>(i) * scan.step;
     seen_.push_back(WrapAngle(options_.X_RS.heading + angle));
+    if (range > farthest) continue;
     // What is between two beams is seen by neither, or by both at its range.
     const double half =
         0.5 *
         std::max(options_.beam_width, std::min(std::abs(scan.step), 0.5 * kPi));
-    const int parts = static_cast<int>(2.0 * half * range / kArcSpacing);
+    const int parts = static_cast<int>(
+        std::min(2.0 * half * range / kArcSpacing, double{kMaxArcParts}));
     for (int k = 0; k <= parts; ++k) {
       const double beside =
           parts == 0 ? 0.0
@@ -233,7 +245,7 @@ DriveState VelocityGuard::StateAt(Time now,
   return state;
 }
 
-void VelocityGuard::Measure(std::vector<Start>* starts) {
+double VelocityGuard::Reach() const {
   // Farther than the robot can get before it stands.
   const double v = options_.max_speed;
   const double way = v * (options_.max_latency_s + options_.hold_s + kStepS) +
@@ -241,8 +253,12 @@ void VelocityGuard::Measure(std::vector<Start>* starts) {
   // Braking on a curve may last as long as the turn.
   const double turning =
       v * options_.max_turn_rate / options_.rates.turn_braking;
-  const double reach = options_.radius + options_.margin +
-                       options_.margin_time * v + way + turning;
+  return options_.radius + options_.margin + options_.margin_time * v + way +
+         turning;
+}
+
+void VelocityGuard::Measure(std::vector<Start>* starts) {
+  const double reach = Reach();
   points_.clear();
   for (const Eigen::Vector2d& echo : echoes_) {
     for (const Start& start : *starts) {

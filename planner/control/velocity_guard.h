@@ -14,7 +14,8 @@ namespace waymark {
 
 // One sweep of a lidar or sonar ring, in the sensor's frame S: distances, m, in
 // the directions first_angle + i * step. What is not finite or not above the
-// least range says nothing; no echo is the sensor's largest range.
+// least range says nothing; no echo is the sensor's largest range, or any
+// larger number.
 struct RangeScan {
   Time time;
   double first_angle = 0.0;
@@ -105,6 +106,8 @@ class VelocityGuard {
   void Rewind(Time now);
   void Record(Time now, const Velocity& command);
   [[nodiscard]] AllowedVelocity Check(Time now, const Velocity& limited);
+  // From the robot of the moment: nothing farther away can matter to it, m.
+  [[nodiscard]] double Reach() const;
   [[nodiscard]] bool IsSeen(double direction) const;
   [[nodiscard]] std::vector<Start> StartsAt(Time now) const;
   [[nodiscard]] DriveState StateAt(Time now,

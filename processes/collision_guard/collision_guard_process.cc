@@ -16,7 +16,8 @@ constexpr Duration kPeriod{50'000};
 // Messages that overtake each other, or come twice; what is older is another
 // run.
 constexpr Duration kRestart{1'000'000};
-// More senders than these are a fault of one that changes its name.
+// More senders than these are a fault of one that changes its name: those that
+// were not heard of for longest are forgotten.
 constexpr std::size_t kMaxSources = 100;
 
 bool IsLate(Time t, Time newest) {
@@ -57,6 +58,19 @@ CollisionGuardProcess::CollisionGuardProcess(const Config& config, Bus* bus)
   bus->Every(kPeriod, [this](Time now) { OnTimer(now); });
 }
 
+CollisionGuardProcess::Source& CollisionGuardProcess::SourceOf(
+    const std::string& name) {
+  if (sources_.find(name) == sources_.end() && sources_.size() >= kMaxSources) {
+    sources_.erase(std::min_element(
+        sources_.begin(), sources_.end(), [](const auto& a, const auto& b) {
+          return a.second.last_use < b.second.last_use;
+        }));
+  }
+  Source& source = sources_[name];
+  source.last_use = ++num_uses_;
+  return source;
+}
+
 void CollisionGuardProcess::NoteTime(Time t) {
   if (IsLate(t, newest_)) return;
   newest_ = t;
@@ -95,16 +109,12 @@ void CollisionGuardProcess::OnRequest(const velocity_t& message, Time t) {
     if (!CheckTime("utime", message.utime, &reason)) return;
     why = "bad request: " + reason;
   }
-  const auto last = request_times_.find(message.source);
-  if (last != request_times_.end() && IsLate(t, last->second)) {
+  Source& source = SourceOf(message.source);
+  if (source.request_time && IsLate(t, *source.request_time)) {
     bus_->ReportBad(kMotionRequest, Bad::kContent, "time goes back");
     return;
   }
-  if (request_times_.size() >= kMaxSources) {
-    request_times_.clear();
-    seqs_.clear();
-  }
-  request_times_[message.source] = t;
+  source.request_time = t;
   request_time_ = t;
   request_arrived_ = bus_->now();
   NoteOtherTime(t, message.source);
@@ -228,7 +238,7 @@ void CollisionGuardProcess::Send(Time utime,
   sent_source_ = source;
   velocity_t message;
   message.utime = Microseconds(utime);
-  message.seq = seqs_[source]++;
+  message.seq = SourceOf(source).seq++;
   message.source = source;
   message.forward = velocity.forward;
   message.turn_rate = velocity.turn_rate;

@@ -36,6 +36,15 @@ class CollisionGuardProcess {
   CollisionGuardProcess(const Config& config, Bus* bus);
 
  private:
+  // Who asks, or stops.
+  struct Source {
+    std::optional<Time> request_time;  // Of its last request.
+    std::int32_t seq = 0;              // Of the next command that follows it.
+    std::int64_t last_use = 0;         // Which of all uses.
+  };
+
+  // Forgets another one where there is no room for a new one.
+  [[nodiscard]] Source& SourceOf(const std::string& name);
   void OnRequest(const velocity_t& message, Time t);
   void OnStop(const stop_t& message, Time t);
   void OnRanges(const planar_lidar_t& message);
@@ -68,12 +77,12 @@ class CollisionGuardProcess {
   Time clock_fault_time_;  // On the bus's clock.
   std::optional<Time> ranges_time_;
   Time ranges_arrived_;
-  std::map<std::string, Time> request_times_;  // The last of each source.
-  std::optional<Time> request_time_;           // The last of all.
+  std::optional<Time> request_time_;  // The last of all.
   Time request_arrived_;
   Velocity sent_;
   std::string sent_source_;
-  std::map<std::string, std::int32_t> seqs_;  // Of each source.
+  std::map<std::string, Source> sources_;
+  std::int64_t num_uses_ = 0;
 };
 
 }  // namespace waymark

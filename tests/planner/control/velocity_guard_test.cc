@@ -31,6 +31,54 @@ TEST(VelocityGuard, ChangesNothingWithoutObstacles) {
   }
 }
 
+// Whatever number a driver sends for "no echo": nothing is so near.
+TEST(VelocityGuard, TakesAnyLargeRangeForNothingInReach) {
+  for (const double beam_width : {0.0, 1.5}) {
+    for (const double range : {5.0,
+                               1e3,
+                               1e7,
+                               1e12,
+                               double{std::numeric_limits<float>::max()},
+                               std::numeric_limits<double>::max()}) {
+      VelocityGuardOptions options;
+      options.beam_width = beam_width;
+      VelocityGuard guard(options);
+      RangeScan scan = ScanOf(Wall(0.45), {}, 0.0);
+      for (double& r : scan.ranges) r = r < 2.0 ? r : range;
+      guard.SetRanges(scan);
+      // Ahead the wall counts; behind nothing is near, and that is seen.
+      EXPECT_LT(guard.Allow(At(0), {0.5, 0.0}).velocity.forward, 0.45) << range;
+      const AllowedVelocity back = guard.Allow(At(0), {-0.3, 0.0});
+      EXPECT_EQ(back.velocity, (Velocity{-0.3, 0.0})) << range;
+      EXPECT_EQ(back.reason, "") << range;
+    }
+  }
+}
+
+// What is left out for its distance is what no command meets: the robot has
+// come a long way since the ranges, and brakes badly.
+TEST(VelocityGuard, FastRobotsLookAsFarAsTheyNeedTo) {
+  VelocityGuardOptions options;
+  options.max_speed = 10.0;
+  options.max_range_age = 1.0;
+  options.rates.braking = 1.0;
+  VelocityGuard guard(options);
+  const Velocity fast{10.0, 0.0};
+  // It has reached its speed.
+  const auto see = [&](double range, double s) {
+    RangeScan scan = ScanOf({}, {}, s);
+    for (double& r : scan.ranges) r = range;
+    guard.SetRanges(scan);
+  };
+  for (int i = 0; i < 40; ++i) {
+    see(1000.0, 1.0 + 0.5 * i);
+    EXPECT_EQ(guard.Allow(At(1.0 + 0.5 * i), fast).velocity, fast);
+  }
+  see(60.0, 21.0);
+  EXPECT_EQ(guard.Allow(At(21.0), fast).velocity, fast);
+  EXPECT_LT(guard.Allow(At(21.9), fast).velocity.forward, 9.5);
+}
+
 TEST(VelocityGuard, KeepsTheLimitsOnTheSameCurve) {
   VelocityGuardOptions options;
   options.ranges = RangeUse::kNone;

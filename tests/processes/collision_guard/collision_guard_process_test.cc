@@ -309,6 +309,57 @@ TEST_F(CollisionGuardProcessTest, ForgetsNothingForAClockThatIsOff) {
   }
 }
 
+// Known senders keep their numbers and their time, however many names another
+// one takes, with requests or with stops.
+TEST_F(CollisionGuardProcessTest, RemembersASourceAmongMany) {
+  Start();
+  world_.Publish(kRanges, Ranges(0.0, 4.0));
+  for (int i = 1; i <= 150; ++i) {
+    const double t = 0.01 * i;
+    if (i % 30 == 0) world_.Publish(kRanges, Ranges(t, 4.0));
+    world_.Publish(kMotionRequest, Request(t, 0.3));
+    const std::string name = "other" + std::to_string(i);
+    world_.Publish(kMotionRequest, Request(t, 0.0, 0.0, name.c_str()));
+    stop_t release = Stop(t, false);
+    release.source = "stop" + std::to_string(i);
+    world_.Publish(kStop, release);
+  }
+  world_.RunUntil(At(1.5));
+  std::int32_t expected = 0;
+  for (const velocity_t& command : Commands()) {
+    if (command.source != "test") continue;
+    EXPECT_EQ(command.seq, expected++);
+  }
+  EXPECT_GE(expected, 150);
+  EXPECT_EQ(NumBad(), 0);
+  world_.PublishAt(At(1.51), kMotionRequest, Request(1.4, 0.3));
+  world_.RunUntil(At(1.51));
+  EXPECT_EQ(NumBad(), 1) << "time goes back";
+  // The first of the others was forgotten long since, the last one not.
+  world_.PublishAt(At(1.52), kMotionRequest, Request(1.0, 0.0, 0.0, "other1"));
+  world_.RunUntil(At(1.52));
+  EXPECT_EQ(NumBad(), 1);
+  world_.PublishAt(
+      At(1.53), kMotionRequest, Request(1.0, 0.0, 0.0, "other150"));
+  world_.RunUntil(At(1.53));
+  EXPECT_EQ(NumBad(), 2);
+}
+
+// "No echo" of a driver that sends the largest number there is.
+TEST_F(CollisionGuardProcessTest, AnyLargeRangeIsNoEcho) {
+  config_.guard.beam_width = 0.5;
+  Start();
+  for (const double range : {1e7, double{std::numeric_limits<float>::max()}}) {
+    const double t = range > 1e8 ? 0.2 : 0.1;
+    world_.Publish(kRanges, Ranges(t, range));
+    world_.Publish(kMotionRequest, Request(t, 0.4));
+    world_.RunUntil(At(t));
+    EXPECT_EQ(Last().forward, 0.4) << range;
+    EXPECT_EQ(Last().reason, "") << range;
+  }
+  EXPECT_EQ(NumBad(), 0);
+}
+
 TEST_F(CollisionGuardProcessTest, AnotherRunMayStartEarlier) {
   Start();
   world_.Publish(kRanges, Ranges(100.0, 4.0));
