@@ -84,29 +84,44 @@ std::optional<ImageFileSize> PnmSize(Bytes data) {
   return ImageFileSize{numbers[0], numbers[1]};
 }
 
-// Tags 256 and 257 of the first directory.
+// The number of a TIFF tag that has just one, SHORT or LONG; nullopt where it
+// is anything else, which a decoder might take for another number.
+std::optional<std::uint32_t> TiffNumber(Bytes data,
+                                        std::size_t at,
+                                        bool is_big) {
+  constexpr std::uint32_t kShort = 3;
+  constexpr std::uint32_t kLong = 4;
+  const auto type = NumberAt(data, at + 2, 2, is_big);
+  if (type != kShort && type != kLong) return std::nullopt;
+  if (NumberAt(data, at + 4, 4, is_big) != 1U) return std::nullopt;
+  return NumberAt(data, at + 8, type == kShort ? 2 : 4, is_big);
+}
+
+// Tags 256 and 257 of the first directory. Each must be there just once: which
+// of two counts is the decoder's choice.
 std::optional<ImageFileSize> TiffSize(Bytes data) {
   constexpr std::uint32_t kWidth = 256;
   constexpr std::uint32_t kHeight = 257;
-  constexpr std::uint32_t kShort = 3;
   constexpr std::size_t kEntry = 12;
   const bool is_big = data[0] == 'M';
   const auto directory = NumberAt(data, 4, 4, is_big);
   if (!directory) return std::nullopt;
   const auto count = NumberAt(data, *directory, 2, is_big);
   if (!count) return std::nullopt;
-  ImageFileSize size;
+  std::optional<std::uint32_t> width;
+  std::optional<std::uint32_t> height;
   for (std::size_t i = 0; i < *count; ++i) {
     const std::size_t at = *directory + 2 + i * kEntry;
     const auto tag = NumberAt(data, at, 2, is_big);
-    const auto type = NumberAt(data, at + 2, 2, is_big);
-    if (!tag || !type) return std::nullopt;
-    if (*tag != kWidth && *tag != kHeight) continue;
-    const auto value = NumberAt(data, at + 8, *type == kShort ? 2 : 4, is_big);
-    if (!value) return std::nullopt;
-    (*tag == kWidth ? size.width : size.height) = *value;
+    if (!tag) return std::nullopt;
+    if (tag != kWidth && tag != kHeight) continue;
+    std::optional<std::uint32_t>* number = tag == kWidth ? &width : &height;
+    if (*number) return std::nullopt;
+    *number = TiffNumber(data, at, is_big);
+    if (!*number) return std::nullopt;
   }
-  return size;
+  if (!width || !height) return std::nullopt;
+  return ImageFileSize{*width, *height};
 }
 
 }  // namespace

@@ -97,6 +97,79 @@ TEST(ImageFile, ASmallFileCannotAskForMuchMemory) {
   EXPECT_THAT(ErrorOf({'G', 'I', 'F'}), HasSubstr("is no PNG, JPEG"));
 }
 
+// One entry of a TIFF's directory, little-endian.
+struct TiffEntry {
+  std::uint32_t tag = 0;
+  std::uint32_t type = 0;  // 3 is SHORT, 4 is LONG.
+  std::uint32_t count = 1;
+  std::uint32_t value = 0;
+};
+
+void Append(std::uint32_t value, int length, Bytes* bytes) {
+  for (int i = 0; i < length; ++i) {
+    bytes->push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  }
+}
+
+// Nine gray pixels in a row, if these entries say so.
+Bytes Tiff(const std::vector<TiffEntry>& sizes) {
+  constexpr std::uint32_t kPixels = 8;
+  std::vector<TiffEntry> entries = sizes;
+  entries.insert(entries.end(),
+                 {{258, 3, 1, 8},
+                  {259, 3, 1, 1},
+                  {262, 3, 1, 1},
+                  {273, 4, 1, kPixels},
+                  {277, 3, 1, 1},
+                  {278, 3, 1, 1},
+                  {279, 4, 1, 9}});
+  Bytes bytes{'I', 'I', 42, 0, 18, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0};
+  Append(static_cast<std::uint32_t>(entries.size()), 2, &bytes);
+  for (const TiffEntry& entry : entries) {
+    Append(entry.tag, 2, &bytes);
+    Append(entry.type, 2, &bytes);
+    Append(entry.count, 4, &bytes);
+    Append(entry.value, 4, &bytes);
+  }
+  Append(0, 4, &bytes);
+  return bytes;
+}
+
+// What a decoder takes for the size is what is checked, or the file is refused.
+TEST(ImageFile, ATiffSaysItsSizeOnceAndPlainly) {
+  constexpr std::uint32_t kShort = 3;
+  constexpr std::uint32_t kLong = 4;
+  std::string reason;
+  // Behind a SHORT its field may hold anything.
+  for (const TiffEntry width : {TiffEntry{256, kShort, 1, 9},
+                                {256, kShort, 1, 0x77770009},
+                                {256, kLong, 1, 9}}) {
+    const Bytes good = Tiff({width, {257, kShort, 1, 1}});
+    const auto size = SizeOfImageFile(good, &reason);
+    ASSERT_TRUE(size) << reason;
+    EXPECT_EQ(size->width, 9);
+    EXPECT_EQ(size->height, 1);
+    EXPECT_EQ(DecodeImage(good, "a", ImageFileColor::kGray).size(),
+              cv::Size(9, 1));
+  }
+  constexpr std::uint32_t kByte = 1;
+  constexpr std::uint32_t kSignedShort = 8;
+  constexpr std::uint32_t kLong8 = 16;
+  for (const std::vector<TiffEntry>& bad : std::vector<std::vector<TiffEntry>>{
+           {{256, kLong, 1, 30000}, {256, kLong, 1, 9}, {257, kLong, 1, 1}},
+           {{256, kLong, 1, 9}, {257, kLong, 1, 30000}, {257, kLong, 1, 1}},
+           {{256, kLong, 1, 9}, {256, kLong, 1, 9}, {257, kLong, 1, 1}},
+           {{256, kByte, 1, 9}, {257, kLong, 1, 1}},
+           {{256, kSignedShort, 1, 9}, {257, kLong, 1, 1}},
+           {{256, kLong8, 1, 9}, {257, kLong, 1, 1}},
+           {{256, kLong, 2, 9}, {257, kLong, 1, 1}},
+           {{256, kShort, 0, 9}, {257, kLong, 1, 1}},
+           {{256, kLong, 1, 9}},
+           {{257, kLong, 1, 1}}}) {
+    EXPECT_EQ(ErrorOf(Tiff(bad)), "a.png: its header is broken");
+  }
+}
+
 // "Held on its side" in the notes of a JPEG: pixels stay where they are.
 TEST(ImageFile, PixelsStayWhereTheyAre) {
   const Bytes plain = Encoded(".jpg", Ramp(CV_8UC1));
