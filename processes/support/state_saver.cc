@@ -1,14 +1,17 @@
 #include "processes/support/state_saver.h"
 
 #include "estimation/base/input_error.h"
-#include "processes/support/state_file.h"
 
+#include <exception>
+#include <system_error>
 #include <utility>
 
 namespace waymark {
 
-StateSaver::StateSaver(std::string path, bool is_offline)
-    : path_(std::move(path)), is_offline_(is_offline) {
+StateSaver::StateSaver(std::string path, bool is_offline, Write write)
+    : path_(std::move(path)),
+      is_offline_(is_offline),
+      write_(std::move(write)) {
   if (!path_.empty()) CheckStateFolder(path_);
 }
 
@@ -24,11 +27,14 @@ void StateSaver::Save(std::string text) {
     if (is_writing_) return;  // Who writes sees it.
     is_writing_ = true;
   }
-  if (is_offline_) {
-    WriteAll();
-  } else {
-    writing_ = std::async(std::launch::async, [this] { WriteAll(); });
+  if (!is_offline_) {
+    try {
+      writing_ = std::async(std::launch::async, [this] { WriteAll(); });
+      return;
+    } catch (const std::system_error&) {  // No thread is to be had.
+    }
   }
+  WriteAll();
 }
 
 void StateSaver::Flush() {
@@ -48,9 +54,12 @@ void StateSaver::WriteAll() {
     }
     std::string fault;
     try {
-      SaveStateFile(path_, text);
+      write_(path_, text);
     } catch (const InputError& error) {
       fault = error.what();
+    } catch (const std::exception& error) {
+      // Such as no memory. Whatever it is, the next text is tried again.
+      fault = path_ + ": cannot be written: " + error.what();
     }
     const MutexLock lock(&mutex_);
     fault_ = std::move(fault);

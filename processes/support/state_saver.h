@@ -2,7 +2,9 @@
 #pragma once
 
 #include "estimation/base/mutex.h"
+#include "processes/support/state_file.h"
 
+#include <functional>
 #include <future>
 #include <optional>
 #include <string>
@@ -14,9 +16,13 @@ namespace waymark {
 // of what comes meanwhile only the newest text is written, after it.
 class StateSaver {
  public:
+  // As SaveStateFile(), which tests replace.
+  using Write =
+      std::function<void(const std::string& path, const std::string& text)>;
+
   // An offline run writes at once: the same files every time. Throws as
   // CheckStateFolder() does; with an empty path Save() does nothing.
-  StateSaver(std::string path, bool is_offline);
+  StateSaver(std::string path, bool is_offline, Write write = SaveStateFile);
   // Returns once everything is on disk, or has failed.
   ~StateSaver();
   StateSaver(const StateSaver&) = delete;
@@ -35,6 +41,7 @@ class StateSaver {
 
   std::string path_;
   bool is_offline_;
+  Write write_;
   mutable Mutex mutex_;
   std::optional<std::string> next_ WAYMARK_GUARDED_BY(mutex_);
   bool is_writing_ WAYMARK_GUARDED_BY(mutex_) = false;

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -93,6 +94,31 @@ TEST(StateSaverTest, AFaultLastsUntilTheNextWriteThatGoesWell) {
   saver.Flush();
   EXPECT_EQ(saver.fault(), "");
   EXPECT_EQ(TextOf(path), "kept");
+}
+
+TEST(StateSaverTest, WhateverAWriteThrowsIsAFaultAndTheNextIsTried) {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "state";
+  for (const bool is_offline : {false, true}) {
+    bool is_full = true;
+    StateSaver saver(
+        path, is_offline, [&](const std::string& to, const std::string& text) {
+          if (is_full) throw std::bad_alloc();
+          SaveStateFile(to, text);
+        });
+    for (int i = 0; i < 3; ++i) {
+      saver.Save("lost");
+      EXPECT_NO_THROW(saver.Flush());
+      EXPECT_EQ(saver.fault(),
+                path + ": cannot be written: " + std::bad_alloc().what());
+    }
+    is_full = false;
+    saver.Save("kept");
+    saver.Flush();
+    EXPECT_EQ(saver.fault(), "");
+    EXPECT_EQ(TextOf(path), "kept");
+    std::filesystem::remove(path);
+  }
 }
 
 TEST(StateSaverTest, RefusesAFolderThatIsNotThere) {
