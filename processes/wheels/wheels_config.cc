@@ -35,7 +35,8 @@ void WheelsConfig::Describe(Describer& d) {
   d.Number("command_timeout_s",
            &session.base.command_timeout_s,
            {0.05, 10.0},
-           "So long after the last MOTION_COMMAND the robot stands");
+           "So long after the last MOTION_COMMAND the robot stands; no command "
+           "makes a wheel faster than this times max_wheel_acceleration");
   d.Number("max_wheel_acceleration",
            &session.base.max_wheel_acceleration,
            {0.1, 100.0},
