@@ -189,7 +189,7 @@ Recording ReadCensiTuples(const std::string& path,
 
 CensiResult ReadCensiResult(const std::string& path) {
   const Json object =
-      Json::parse(ReadTextFile(path), nullptr, /*allow_exceptions=*/false);
+      Json::parse(ReadRecordsFile(path), nullptr, /*allow_exceptions=*/false);
   if (!object.is_object()) throw InputError(path + ": is not a JSON object");
   CensiResult result;
   try {

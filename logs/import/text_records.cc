@@ -1,10 +1,11 @@
 #include "logs/import/text_records.h"
 
+#include "estimation/base/whole_file.h"
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <cstddef>
 #include <system_error>
 
 namespace waymark {
@@ -50,29 +51,17 @@ void SplitCommas(std::string_view line, std::vector<std::string_view>* fields) {
 
 }  // namespace
 
-std::string ReadTextFile(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    throw InputError(path + ": is a folder, not a file");
-  }
-  if (!std::filesystem::exists(path, error)) {
-    throw InputError(path + ": no such file");
-  }
-  // Devices and pipes may have no end.
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw InputError(path + ": is no regular file");
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path + ": cannot be read");
-  std::string content{std::istreambuf_iterator<char>(file),
-                      std::istreambuf_iterator<char>()};
-  if (file.bad()) throw InputError(path + ": reading failed");
+std::string ReadRecordsFile(const std::string& path) {
+  // Ten hours at 1 kHz in lines of 50 bytes are 1.8 GB, which nobody has put
+  // into one file; it is held in memory.
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 30U;
+  std::string content = ReadWholeFile(path, kMaxBytes);
   if (content.empty()) throw InputError(path + ": is empty");
   return content;
 }
 
 TextRecords::TextRecords(const std::string& path, Separator separator)
-    : path_(path), separator_(separator), content_(ReadTextFile(path)) {}
+    : path_(path), separator_(separator), content_(ReadRecordsFile(path)) {}
 
 bool TextRecords::Next() {
   while (position_ < content_.size()) {

@@ -10,15 +10,15 @@
 
 namespace waymark {
 
-// Whole content of a file. Throws InputError where it is missing, a folder,
-// not readable or empty.
-[[nodiscard]] std::string ReadTextFile(const std::string& path);
+// Whole content of a file of at most 1 GiB. Throws as ReadWholeFile() does, and
+// InputError where it is empty.
+[[nodiscard]] std::string ReadRecordsFile(const std::string& path);
 
 class TextRecords {
  public:
   enum class Separator { kBlanks, kComma };
 
-  // Throws InputError as ReadTextFile does.
+  // Throws InputError as ReadRecordsFile() does.
   TextRecords(const std::string& path, Separator separator);
 
   // Moves to the next line that is not blank; false at the end.

@@ -55,7 +55,7 @@ void ReadWorld(const std::string& yaml,
     if (!fs::is_regular_file(path)) {
       root.Refuse("base", "must be a world file beside this one");
     }
-    ReadWorld(ReadTextFile(path), path, depth + 1, world);
+    ReadWorld(ReadYamlFile(path), path, depth + 1, world);
   }
   world->source = source;
   WorldReader(folder.string(), world).Read(&root);
@@ -72,7 +72,7 @@ World WorldFromYaml(const std::string& yaml, const std::string& source) {
 
 World LoadWorldFile(const std::string& path) {
   if (const auto seed = RandomSeedOf(path)) return RandomWorld(*seed);
-  return WorldFromYaml(ReadTextFile(path), path);
+  return WorldFromYaml(ReadYamlFile(path), path);
 }
 
 std::string FindWorldFile(const std::string& name) {

@@ -100,7 +100,7 @@ void LoadConfigurationText(std::string_view yaml,
 
 void LoadConfigurationFile(const std::string& path,
                            const DescribeFunction& describe) {
-  LoadConfigurationText(ReadTextFile(path), path, describe);
+  LoadConfigurationText(ReadYamlFile(path), path, describe);
 }
 
 void ApplySetting(std::string_view setting, const DescribeFunction& describe) {

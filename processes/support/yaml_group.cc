@@ -1,22 +1,19 @@
 #include "processes/support/yaml_group.h"
 
 #include "estimation/base/input_error.h"
+#include "estimation/base/whole_file.h"
 #include "processes/support/configuration_range.h"
 
 #include <spdlog/fmt/fmt.h>
 #include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
-#include <system_error>
 
 namespace waymark {
 namespace {
@@ -76,26 +73,10 @@ void CheckOneDocument(const std::string& text, const std::string& source) {
 
 }  // namespace
 
-std::string ReadTextFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw InputError(
-        fmt::format("{}: cannot open: {}", path, std::strerror(errno)));
-  }
-  // Devices and pipes may have no end.
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw InputError(path + ": is no regular file");
-  }
+std::string ReadYamlFile(const std::string& path) {
   // A hundred times the longest that anyone has written.
-  constexpr std::uintmax_t kMaxBytes = 16 << 20;
-  if (std::filesystem::file_size(path, error) > kMaxBytes || error) {
-    throw InputError(path + ": is longer than 16 MiB");
-  }
-  std::ostringstream text;
-  if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-  if (file.bad() || !text) throw InputError(path + ": cannot read");
-  return text.str();
+  constexpr std::size_t kMaxBytes = std::size_t{16} << 20U;
+  return ReadWholeFile(path, kMaxBytes);
 }
 
 YAML::Node LoadYamlDocument(const std::string& text,

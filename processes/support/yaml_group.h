@@ -15,8 +15,8 @@
 
 namespace waymark {
 
-// Text of a file; InputError where it cannot be read.
-[[nodiscard]] std::string ReadTextFile(const std::string& path);
+// Text of a file of at most 16 MiB; throws as ReadWholeFile() does.
+[[nodiscard]] std::string ReadYamlFile(const std::string& path);
 
 // The one YAML document in `text`. `source` names it in errors, with lines of
 // it where it has any.

@@ -132,8 +132,9 @@ TEST(OptiodomTest, BadInputNamesFileAndLine) {
   EXPECT_THAT(error(good),
               EndsWith("7_metadata.csv:2: column 2: must be positive"));
   std::filesystem::remove(path);
-  EXPECT_THAT(InputErrorOf([&] { (void)ReadOptiodomRun(path); }),
-              EndsWith("7_run-01.csv: no such file"));
+  EXPECT_THAT(
+      InputErrorOf([&] { (void)ReadOptiodomRun(path); }),
+      EndsWith("7_run-01.csv: cannot be opened: No such file or directory"));
   EXPECT_THAT(InputErrorOf([&] { (void)ReadOptiodomRun(folder / ""); }),
               EndsWith("is a folder, not a file"));
 }

@@ -101,7 +101,9 @@ TEST_F(TucTest, BadInputNamesFileAndLine) {
   Write(odometry, "gt2 1\n");
   EXPECT_THAT(Error(), EndsWith("run_GT.txt:1: column 1: \"point2\" needed"));
   std::filesystem::remove(folder_ / "run_GT.txt");
-  EXPECT_THAT(Error(), EndsWith("run_GT.txt: no such file"));
+  EXPECT_THAT(
+      Error(),
+      EndsWith("run_GT.txt: cannot be opened: No such file or directory"));
 }
 
 }  // namespace

@@ -204,8 +204,9 @@ TEST(Configuration, FileThatCannotBeReadIsNamed) {
     LoadConfigurationFile("/nowhere/x.yaml", DescribeOf(&config));
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "/nowhere/x.yaml: cannot open: No such file or directory");
+    EXPECT_STREQ(
+        error.what(),
+        "/nowhere/x.yaml: cannot be opened: No such file or directory");
   }
   EXPECT_THROW(LoadConfigurationFile("/tmp", DescribeOf(&config)), InputError);
 }
@@ -216,8 +217,9 @@ TEST(Configuration, FilesWithoutAnEndAreRefused) {
   std::ofstream(path) << "";
   std::filesystem::resize_file(path, (16 << 20) + 1);
   for (const auto& [file, reason] :
-       {std::pair<std::string, std::string>{"/dev/zero", "is no regular file"},
-        {path, "is longer than 16 MiB"}}) {
+       {std::pair<std::string, std::string>{"/dev/zero",
+                                            "is longer than 16777216 bytes"},
+        {path, "is longer than 16777216 bytes"}}) {
     try {
       LoadConfigurationFile(file, DescribeOf(&config));
       ADD_FAILURE() << file;

@@ -108,7 +108,7 @@ TEST_F(RunProcessTest, BadInputIsOneLineAndExitCodeTwo) {
                 "sleep_us, finish_pose\n");
   EXPECT_EQ(Refusal({"--config", folder_ + "none.yaml"}),
             "echo: " + folder_ +
-                "none.yaml: cannot open: No such file or directory\n");
+                "none.yaml: cannot be opened: No such file or directory\n");
   EXPECT_EQ(Refusal({"--set", "scale=fast"}),
             "echo: --set scale=fast: scale = fast: must be a number in [0, "
             "10]\n");
