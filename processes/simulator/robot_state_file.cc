@@ -4,7 +4,6 @@
 #include "processes/support/configuration.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <system_error>
@@ -13,8 +12,6 @@
 namespace waymark {
 namespace {
 
-// Of the pose, m and rad: beyond all worlds, and grids still have an index.
-constexpr double kFarthest = 1e6;
 constexpr std::int64_t kYear2100 = 4'102'444'800'000'000;
 
 struct Contents {
@@ -44,11 +41,6 @@ std::optional<RobotState> LoadRobotState(const std::string& path) {
   LoadConfigurationFile(path, [&](Describer& d) { contents.Describe(d); });
   if (contents.pose.empty()) {
     throw InputError(path + ": pose: 3 numbers are missing");
-  }
-  for (const double value : contents.pose) {
-    if (std::abs(value) > kFarthest) {
-      throw InputError(path + ": pose: its numbers must be within +-1e6");
-    }
   }
   RobotState state;
   state.world = contents.world;

@@ -17,7 +17,8 @@ struct RobotState {
 };
 
 // nullopt where there is no such file. Throws InputError with one line (file,
-// key, value, allowed range) where it cannot be read or is no such file.
+// key, value, allowed range) where it cannot be read or is no such file. The
+// pose is finite; whether a robot can be there is not looked at.
 [[nodiscard]] std::optional<RobotState> LoadRobotState(const std::string& path);
 
 // What LoadRobotState() reads: the same again, bit for bit.

@@ -8,6 +8,7 @@
 #include "processes/convert/world_file.h"
 #include "processes/simulator/robot_state_file.h"
 #include "processes/simulator/simulator_messages.h"
+#include "processes/simulator/start_place.h"
 #include "processes/support/channels.h"
 
 #include <waymark/base_status_t.hpp>
@@ -35,6 +36,9 @@ constexpr Duration kSavePeriod = std::chrono::seconds(1);
 constexpr Duration kSaveLead = std::chrono::seconds(60);
 // What has happened is a fault for so long: in several STATUS.
 constexpr Duration kRecent = std::chrono::seconds(5);
+// Time stamps so far ahead of the clock are no matter of a restart: the clock
+// was wrong once, or simulated time was faster.
+constexpr Duration kAhead = std::chrono::seconds(3);
 // Live, a reading is sent so long after its own time: more than a timer is
 // early or late, so that each tick has just one.
 constexpr Duration kTimerSlack = std::chrono::milliseconds(2);
@@ -79,7 +83,9 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
                                  .high = config.range_height + kHalfPlane}));
   }
   start_.X_WR = StartPose();
-  CheckPlace(start_.X_WR, world_.source + ": start");
+  if (const std::string fault = FaultOf(start_.X_WR); !fault.empty()) {
+    throw InputError(world_.source + ": start: " + fault);
+  }
   if (!config_.state_file.empty()) LoadState();
   if (!bus->is_offline()) {
     spdlog::info("in {}: a robot at x {:.2f} m, y {:.2f} m, {:.0f} deg",
@@ -122,26 +128,8 @@ Pose2 SimulatorProcess::StartPose() const {
   return X_WR;
 }
 
-void SimulatorProcess::CheckPlace(const Pose2& X_WR,
-                                  const std::string& source) const {
-  const double radius = config_.robot.radius;
-  const std::string robot =
-      fmt::format("{}: a robot of radius {:g} m at x {:.3f}, y {:.3f}",
-                  source,
-                  radius,
-                  X_WR.x,
-                  X_WR.y);
-  if (const auto nearest = area_.map().Nearest(X_WR.position(), radius)) {
-    throw InputError(
-        fmt::format("{} would touch something at x {:.3f}, y {:.3f}",
-                    robot,
-                    nearest->p_W.x(),
-                    nearest->p_W.y()));
-  }
-  if (area_.Clearance(X_WR.position()) < 0.0) {
-    throw InputError(robot +
-                     " would be outside of all rooms, or inside something");
-  }
+std::string SimulatorProcess::FaultOf(const Pose2& X_WR) const {
+  return FaultOfStart(X_WR, config_.robot.radius, area_, world_, people_);
 }
 
 void SimulatorProcess::LoadState() {
@@ -149,8 +137,16 @@ void SimulatorProcess::LoadState() {
   if (!saved) return;
   saved_time_ = saved->time;
   if (saved->world != world_.source) return;
-  CheckPlace(saved->snapshot.X_WR, config_.state_file + ": pose");
-  start_ = saved->snapshot;
+  // No end: nobody would start it again, and it would end like this each time.
+  const std::string fault = FaultOf(saved->snapshot.X_WR);
+  if (fault.empty()) {
+    start_ = saved->snapshot;
+    return;
+  }
+  spdlog::warn(
+      "{}: pose: {}: lost, with the ticks of the wheels; begins at the start",
+      config_.state_file,
+      fault);
 }
 
 void SimulatorProcess::AddCamera(const SimulatedCameraConfig& config) {
@@ -321,6 +317,15 @@ void SimulatorProcess::ShowFault(Time now) {
         fmt::format("lost {:.2f} s in all: this machine stood still, or is too "
                     "slow for time.speed",
                     Seconds(clock_->lost())));
+  }
+  // Faster, or stepped, simulated time is ahead by its nature.
+  if (simulation_ && config_.pace == Pace::kRealTime && config_.speed <= 1.0 &&
+      simulation_->now() - now > kAhead) {
+    add(
+        fmt::format("time stamps are {:.0f} s ahead of the clock, as {} was: "
+                    "they go back only without that file",
+                    Seconds(simulation_->now() - now),
+                    config_.state_file));
   }
   if (is_unanswered_) {
     add(fmt::format("no MOTION_COMMAND answered {} of ENCODERS in {:g} s",

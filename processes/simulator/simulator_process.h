@@ -38,9 +38,13 @@ namespace waymark {
 // only what another process steps; alone it gets one step per answer_timeout_s,
 // and STATUS says so.
 //
-// Time does not go back when it is restarted with a state file. What is missed
-// while the machine stands still is made up for by a second at most; the rest
-// is lost, and STATUS says so.
+// Time does not go back when it is restarted with a state file, not even where
+// that is ahead of the clock; STATUS says so then. The robot goes on where it
+// was, if it can be there: people begin anew, and it may have left the floor.
+// Else it begins at the start again, and the log says so. What is missed while
+// the machine stands still is made up for by a tenth of a second of the clock
+// at most, or two ticks where these are longer; the rest is lost, and STATUS
+// says so.
 class SimulatorProcess {
  public:
   using Config = SimulatorConfig;
@@ -51,8 +55,9 @@ class SimulatorProcess {
       "IMAGE_<camera>, CAMERA_INFO_<camera>.";
   static constexpr bool kIsLiveOnly = true;
 
-  // Throws InputError for a world, camera or state file that cannot be used,
-  // and where the robot would start outside of all rooms or inside something.
+  // Throws InputError for a world, camera or state file that cannot be read,
+  // and where FaultOfStart() finds a fault with the start of the configuration
+  // or the world.
   SimulatorProcess(const Config& config, Bus* bus);
   // Saves where the robot is; says how many images there were.
   void Finish();
@@ -60,8 +65,7 @@ class SimulatorProcess {
  private:
   [[nodiscard]] Simulation MakeSimulation(Time start) const;
   [[nodiscard]] Pose2 StartPose() const;
-  // Throws InputError that begins with `source`.
-  void CheckPlace(const Pose2& X_WR, const std::string& source) const;
+  [[nodiscard]] std::string FaultOf(const Pose2& X_WR) const;
   void LoadState();
   [[nodiscard]] bool IsLive() const;
   [[nodiscard]] Time StartTime(Time now) const;
