@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -34,6 +35,8 @@ constexpr int kRoundPillarSides = 32;
 // of lamps would take hours.
 constexpr double kMaxFloor = 20000.0;  // m^2.
 constexpr std::int64_t kMaxLamps = 2000;
+// Of models, m^2; that floor has some 100,000 with its walls and ceilings.
+constexpr double kMaxModelFaces = 200000.0;
 
 double AreaOf(const std::vector<Eigen::Vector2d>& outline) {
   double doubled = 0.0;
@@ -45,7 +48,74 @@ double AreaOf(const std::vector<Eigen::Vector2d>& outline) {
   return 0.5 * std::abs(doubled);
 }
 
-void CheckSize(const World& world) {
+// A plan as it is built: its lamps are every 3 m, where it is free around them.
+struct LoadedPlan {
+  FloorPlan plan;
+  std::vector<Eigen::Vector2d> lamps;  // In W.
+};
+
+constexpr double kPlanLampSpacing = 3.0;
+constexpr double kPlanLampHalf = 0.3;
+
+std::vector<Eigen::Vector2d> LampsOf(const FloorPlan& plan,
+                                     const Eigen::Vector2d& at) {
+  std::vector<Eigen::Vector2d> lamps;
+  for (double x = kPlanLampSpacing / 2.0; x < plan.size.x();
+       x += kPlanLampSpacing) {
+    for (double y = kPlanLampSpacing / 2.0; y < plan.size.y();
+         y += kPlanLampSpacing) {
+      bool is_free = true;
+      for (const double dx : {-kPlanLampHalf, 0.0, kPlanLampHalf}) {
+        for (const double dy : {-kPlanLampHalf, 0.0, kPlanLampHalf}) {
+          is_free = is_free && plan.IsFree({x + dx, y + dy});
+        }
+      }
+      if (is_free) lamps.emplace_back(at.x() + x, at.y() + y);
+    }
+  }
+  return lamps;
+}
+
+// Throws InputError where the plans have more floor or lamps than a world may
+// have, beside `floor` and `num_lamps`.
+std::vector<LoadedPlan> LoadPlans(const World& world,
+                                  double floor,
+                                  std::int64_t num_lamps) {
+  std::vector<LoadedPlan> loaded;
+  for (const WorldFloorPlan& plan : world.floor_plans) {
+    FloorPlanOptions options;
+    options.metres_per_pixel = plan.metres_per_pixel;
+    LoadedPlan& out = loaded.emplace_back();
+    try {
+      out.plan = LoadFloorPlan(plan.image, options);
+    } catch (const InputError& error) {
+      throw InputError(plan.where + ": image: " + error.what());
+    }
+    const Eigen::Vector2d& size = out.plan.size;
+    const std::string where = plan.where + ": metres_per_pixel: the image is " +
+                              std::to_string(std::lround(size.x())) + " x " +
+                              std::to_string(std::lround(size.y())) +
+                              " m with it: ";
+    if ((plan.at + size).maxCoeff() > kMaxWorldReach) {
+      throw InputError(where + "reaches beyond 200 m");
+    }
+    floor += size.prod();
+    if (floor > kMaxFloor) {
+      throw InputError(where + "more than 20000 m^2 of floor with this plan");
+    }
+    out.lamps = LampsOf(out.plan, plan.at);
+    num_lamps += static_cast<std::int64_t>(out.lamps.size());
+    if (num_lamps > kMaxLamps) {
+      throw InputError(where + "more than " + std::to_string(kMaxLamps) +
+                       " lamps with this plan's, one every 3 m");
+    }
+  }
+  return loaded;
+}
+
+// Refuses rooms and floor plans that are far larger than buildings; returns
+// the plans.
+std::vector<LoadedPlan> CheckSize(const World& world) {
   double floor = 0.0;
   auto num_lamps = static_cast<std::int64_t>(world.lamps.size());
   for (const WorldRoom& room : world.rooms) {
@@ -60,6 +130,21 @@ void CheckSize(const World& world) {
                        " lamps with this room's");
     }
   }
+  return LoadPlans(world, floor, num_lamps);
+}
+
+// Of the triangles from one on.
+double FacesFrom(std::size_t first, const SceneMesh& mesh) {
+  double area = 0.0;
+  for (std::size_t i = first; i < mesh.triangles.size(); ++i) {
+    const auto& [a, b, c] = mesh.triangles[i].vertices;
+    const Eigen::Vector3d ab =
+        (mesh.positions[b] - mesh.positions[a]).cast<double>();
+    const Eigen::Vector3d ac =
+        (mesh.positions[c] - mesh.positions[a]).cast<double>();
+    area += 0.5 * ab.cross(ac).norm();
+  }
+  return area;
 }
 
 class SceneBuilder {
@@ -71,10 +156,12 @@ class SceneBuilder {
         finishes_(world, looks == SceneLooks::kPlain, &scene_) {}
 
   Scene Run() {
-    CheckSize(world_);
+    plans_ = CheckSize(world_);
     scene_.ambient = Eigen::Vector3d::Constant(kAmbient * world_.ambient);
     BuildRooms(world_, layout_, &finishes_, &scene_);
-    for (const WorldFloorPlan& plan : world_.floor_plans) AddFloorPlan(plan);
+    for (std::size_t i = 0; i < plans_.size(); ++i) {
+      AddFloorPlan(world_.floor_plans[i], plans_[i]);
+    }
     for (const WorldPillar& pillar : world_.pillars) AddPillar(pillar);
     for (const WorldFurniture& piece : world_.furniture) {
       BuildFurniture(piece, &finishes_, &scene_);
@@ -203,25 +290,23 @@ class SceneBuilder {
             .toRotationMatrix();
     options.is_y_up = model.is_y_up;
     options.has_baked_light = model.has_baked_light;
+    const std::size_t first = scene_.mesh.triangles.size();
     try {
       AppendMeshFile(model.file, model.file, options, &scene_);
     } catch (const InputError& error) {
       throw InputError(model.where + ": file: " + error.what());
     }
+    model_faces_ += FacesFrom(first, scene_.mesh);
+    if (model_faces_ > kMaxModelFaces) {
+      throw InputError(model.where + ": file: " + model.file +
+                       ": more than 200000 m^2 of faces with this model");
+    }
   }
 
   // Walls from floor to ceiling around every outline; floor and ceiling are
   // those of the whole image.
-  void AddFloorPlan(const WorldFloorPlan& plan) {
-    FloorPlanOptions options;
-    options.metres_per_pixel = plan.metres_per_pixel;
-    FloorPlan loaded;
-    try {
-      loaded = LoadFloorPlan(plan.image, options);
-    } catch (const InputError& error) {
-      throw InputError(plan.where + ": image: " + error.what());
-    }
-    const Eigen::Vector2d high = plan.at + loaded.size;
+  void AddFloorPlan(const WorldFloorPlan& plan, const LoadedPlan& loaded) {
+    const Eigen::Vector2d high = plan.at + loaded.plan.size;
     const std::vector<Eigen::Vector2d> ground{
         plan.at, {high.x(), plan.at.y()}, high, {plan.at.x(), high.y()}};
     BuilderFor("plan floor", SurfaceKind::kFloor)
@@ -234,7 +319,7 @@ class SceneBuilder {
                  finishes_.Get(plan.ceiling, plan.where, "ceiling"));
     const Finish finish = finishes_.Get(plan.walls, plan.where, "walls");
     MeshBuilder walls = BuilderFor("plan walls", SurfaceKind::kWall);
-    for (std::vector<Eigen::Vector2d> outline : loaded.outlines) {
+    for (std::vector<Eigen::Vector2d> outline : loaded.plan.outlines) {
       for (Eigen::Vector2d& p : outline) p += plan.at;
       double walked = 0.0;
       for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -249,27 +334,10 @@ class SceneBuilder {
         walked += (b - a).norm();
       }
     }
-    AddPlanLamps(plan, loaded);
-  }
-
-  // Every 3 m, where the plan is free around them.
-  void AddPlanLamps(const WorldFloorPlan& plan, const FloorPlan& loaded) {
-    constexpr double kSpacing = 3.0;
-    constexpr double kHalf = 0.3;
-    for (double x = kSpacing / 2.0; x < loaded.size.x(); x += kSpacing) {
-      for (double y = kSpacing / 2.0; y < loaded.size.y(); y += kSpacing) {
-        bool is_free = true;
-        for (const double dx : {-kHalf, 0.0, kHalf}) {
-          for (const double dy : {-kHalf, 0.0, kHalf}) {
-            is_free = is_free && loaded.IsFree({x + dx, y + dy});
-          }
-        }
-        if (is_free) {
-          AddLamp({plan.at.x() + x, plan.at.y() + y, plan.height},
-                  {2.0 * kHalf, 2.0 * kHalf},
-                  1.0);
-        }
-      }
+    for (const Eigen::Vector2d& at : loaded.lamps) {
+      AddLamp({at.x(), at.y(), plan.height},
+              Eigen::Vector2d::Constant(2.0 * kPlanLampHalf),
+              1.0);
     }
   }
 
@@ -300,6 +368,8 @@ class SceneBuilder {
   Scene scene_;
   Layout layout_;
   Finishes finishes_;
+  std::vector<LoadedPlan> plans_;
+  double model_faces_ = 0.0;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace waymark {
@@ -34,12 +35,12 @@ class GltfData {
 
   // buffers, bufferViews, accessors, images and textures as a document.
   [[nodiscard]] const Json& clean() const { return clean_; }
-  // The buffers' content, by name.
-  [[nodiscard]] const std::map<std::string, std::string>& files() const {
-    return files_;
+  // The buffers' content, by name. None is left, nor can indices be checked.
+  [[nodiscard]] std::map<std::string, std::string> TakeFiles() {
+    return std::move(files_);
   }
-  [[nodiscard]] const std::vector<MeshSource::Image>& images() const {
-    return images_;
+  [[nodiscard]] std::vector<MeshSource::Image> TakeImages() {
+    return std::move(images_);
   }
 
  private:

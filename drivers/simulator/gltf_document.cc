@@ -68,6 +68,7 @@ std::string FromPercent(std::string_view text) {
 
 GltfDocument::GltfDocument(const std::string& path) : path_(path) {
   Read();
+  CheckHead();
   CheckItems();
 }
 
@@ -104,6 +105,23 @@ void GltfDocument::Read() {
     Refuse("not JSON: a number out of range");
   }
   if (!root_.is_object()) Refuse("not a glTF file: no object");
+}
+
+void GltfDocument::CheckHead() const {
+  const Json* asset = Child(root_, "asset");
+  if (asset == nullptr || !Text(*asset, "version").starts_with("2.")) {
+    Refuse("asset: version must be 2.x");
+  }
+  const auto required = root_.find("extensionsRequired");
+  if (required == root_.end()) return;
+  if (!required->is_array()) Refuse("extensionsRequired: not an array");
+  for (const Json& name : *required) {
+    if (!name.is_string() ||
+        !name.get<std::string>().starts_with("KHR_materials_")) {
+      Refuse("needs the extension " + name.dump(-1, ' ', true) +
+             ", which is not read here (KHR_materials_* are)");
+    }
+  }
 }
 
 void GltfDocument::CheckItems() const {

@@ -16,7 +16,8 @@ class GltfDocument {
   using Json = nlohmann::json;
   static constexpr std::int64_t kMaxItems = 100'000;  // Of each kind.
 
-  // Reads a file, text (.gltf) or binary (.glb).
+  // Reads a file, text (.gltf) or binary (.glb). Refuses another version than
+  // 2.x and what needs extensions first, whatever else is wrong.
   explicit GltfDocument(const std::string& path);
 
   [[noreturn]] void Refuse(const std::string& what) const;
@@ -65,6 +66,7 @@ class GltfDocument {
 
  private:
   void Read();
+  void CheckHead() const;
   void CheckItems() const;
 
   std::string path_;

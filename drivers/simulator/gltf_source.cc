@@ -18,43 +18,24 @@ constexpr int kTriangles = 4;  // Mode of a primitive.
 class GltfCleaner {
  public:
   explicit GltfCleaner(const std::string& path)
-      : document_(path), data_(document_), out_(data_.clean()) {}
+      : document_(path), data_(document_), out_(data_.clean()) {
+    out_["asset"] = {{"version", "2.0"}};
+  }
 
   MeshSource Clean() {
-    CheckHead();
     CleanMaterials();
     CleanMeshes();
     CleanNodes();
     MeshSource source;
     source.main = "model.gltf";
-    source.files = data_.files();
+    source.files = data_.TakeFiles();
     source.files["model.gltf"] = out_.dump();
-    source.images = data_.images();
+    source.images = data_.TakeImages();
     source.has_linear_colors = true;
     return source;
   }
 
  private:
-  void CheckHead() {
-    const Json* asset = GltfDocument::Child(document_.root(), "asset");
-    if (asset == nullptr ||
-        !GltfDocument::Text(*asset, "version").starts_with("2.")) {
-      document_.Refuse("asset: version must be 2.x");
-    }
-    out_["asset"] = {{"version", "2.0"}};
-    const auto required = document_.root().find("extensionsRequired");
-    if (required == document_.root().end()) return;
-    if (!required->is_array())
-      document_.Refuse("extensionsRequired: not an array");
-    for (const Json& name : *required) {
-      if (!name.is_string() ||
-          !name.get<std::string>().starts_with("KHR_materials_")) {
-        document_.Refuse("needs the extension " + name.dump(-1, ' ', true) +
-                         ", which is not read here (KHR_materials_* are)");
-      }
-    }
-  }
-
   // The texture under a key of a material, by its first coordinates.
   std::optional<Json> TextureOf(const Json& object,
                                 const std::string& key,

@@ -299,10 +299,11 @@ class MeshFile {
 
   void CheckExtent() const {
     const Eigen::AlignedBox3d& box = report_.box_W;
-    if (!(box.sizes().maxCoeff() <= kMaxMeshExtent)) {
-      throw InputError(path_ + ": " + std::to_string(box.sizes().maxCoeff()) +
-                       " m across with this scale, more than " +
-                       std::to_string(kMaxMeshExtent) + " m");
+    const double reach = std::max(box.max().maxCoeff(), -box.min().minCoeff());
+    if (!(reach <= kMaxMeshExtent)) {
+      throw InputError(path_ + ": reaches " + std::to_string(reach) +
+                       " m from the world's origin with this scale and place," +
+                       " more than 200 m");
     }
   }
 

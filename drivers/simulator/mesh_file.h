@@ -35,7 +35,7 @@ struct MeshFileReport {
 // Bounds that a file may not exceed.
 inline constexpr std::size_t kMaxMeshFileBytes = std::size_t{256} << 20U;
 inline constexpr int kMaxMeshTriangles = 5'000'000;
-inline constexpr double kMaxMeshExtent = 1000.0;  // m, after scaling.
+inline constexpr double kMaxMeshExtent = 200.0;  // Of W's coordinates, m.
 
 // Appends the file's triangles as one surface `name`, and its materials, to
 // the scene's own mesh. `path` ends in .gltf, .glb or .obj; textures lie in

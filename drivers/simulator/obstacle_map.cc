@@ -7,12 +7,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace waymark {
 namespace {
 
 constexpr double kCell = 0.25;  // m; about what a robot moves in a second.
+// That is 500 m square; beyond it cells grow.
+constexpr double kMaxCells = 4e6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -25,6 +28,24 @@ Eigen::Vector2d NearestOn(const Segment2& s, const Eigen::Vector2d& p) {
   if (length2 == 0.0) return s.a;
   const double t = along.dot(p - s.a) / length2;
   return s.a + std::clamp(t, 0.0, 1.0) * along;
+}
+
+// Between which x a segment is at heights y from `low` to `high`, where some of
+// it is.
+std::pair<double, double> StretchIn(const Segment2& s,
+                                    double low,
+                                    double high) {
+  const Eigen::Vector2d along = s.b - s.a;
+  double from = 0.0;
+  double to = 1.0;
+  if (along.y() != 0.0) {
+    const double ta = std::clamp((low - s.a.y()) / along.y(), 0.0, 1.0);
+    const double tb = std::clamp((high - s.a.y()) / along.y(), 0.0, 1.0);
+    std::tie(from, to) = std::minmax(ta, tb);
+  }
+  const double xa = s.a.x() + from * along.x();
+  const double xb = s.a.x() + to * along.x();
+  return {std::min(xa, xb), std::max(xa, xb)};
 }
 
 // Smallest t >= 0 with |o + t d| = radius, entering; infinite without. Starts
@@ -108,20 +129,31 @@ ObstacleMap::ObstacleMap(std::vector<Segment2> segments)
     low_ = low_.cwiseMin(s.a).cwiseMin(s.b);
     high_ = high_.cwiseMax(s.a).cwiseMax(s.b);
   }
-  num_x_ = static_cast<int>((high_.x() - low_.x()) / kCell) + 1;
-  num_y_ = static_cast<int>((high_.y() - low_.y()) / kCell) + 1;
+  const Eigen::Vector2d size = high_ - low_;
+  cell_ = std::max({kCell,
+                    std::sqrt(size.x() / kMaxCells) * std::sqrt(size.y()),
+                    size.maxCoeff() / kMaxCells});
+  num_x_ = static_cast<int>(size.x() / cell_) + 1;
+  num_y_ = static_cast<int>(size.y() / cell_) + 1;
 
   // A segment counts for every cell whose circle it crosses: a few too many.
-  const double reach = kCell * std::sqrt(0.5) * (1.0 + 1e-9);
+  const double reach = cell_ * std::sqrt(0.5) * (1.0 + 1e-9);
   std::vector<std::vector<std::uint32_t>> cells(
       static_cast<std::size_t>(num_x_) * static_cast<std::size_t>(num_y_));
   for (std::size_t i = 0; i < segments_.size(); ++i) {
     const Segment2& s = segments_[i];
     const Box box = BoxOf(s.a.cwiseMin(s.b), s.a.cwiseMax(s.b));
     for (int y = box.y0; y <= box.y1; ++y) {
-      for (int x = box.x0; x <= box.x1; ++x) {
+      // Of the row only where the segment is, or a long one that slants would
+      // cost the square of its length.
+      const auto [from, to] = StretchIn(s,
+                                        low_.y() + cell_ * (y + 0.5) - reach,
+                                        low_.y() + cell_ * (y + 0.5) + reach);
+      const int first = std::max(box.x0, CellX(from - reach));
+      const int last = std::min(box.x1, CellX(to + reach));
+      for (int x = first; x <= last; ++x) {
         const Eigen::Vector2d middle =
-            low_ + kCell * Eigen::Vector2d(x + 0.5, y + 0.5);
+            low_ + cell_ * Eigen::Vector2d(x + 0.5, y + 0.5);
         if ((middle - NearestOn(s, middle)).norm() > reach) continue;
         cells[IndexOf(x, y)].push_back(static_cast<std::uint32_t>(i));
       }
@@ -136,12 +168,12 @@ ObstacleMap::ObstacleMap(std::vector<Segment2> segments)
 
 int ObstacleMap::CellX(double x) const {
   return static_cast<int>(
-      std::clamp(std::floor((x - low_.x()) / kCell), 0.0, num_x_ - 1.0));
+      std::clamp(std::floor((x - low_.x()) / cell_), 0.0, num_x_ - 1.0));
 }
 
 int ObstacleMap::CellY(double y) const {
   return static_cast<int>(
-      std::clamp(std::floor((y - low_.y()) / kCell), 0.0, num_y_ - 1.0));
+      std::clamp(std::floor((y - low_.y()) / cell_), 0.0, num_y_ - 1.0));
 }
 
 ObstacleMap::Box ObstacleMap::BoxOf(const Eigen::Vector2d& low,
@@ -181,7 +213,7 @@ std::optional<NearestObstacle> ObstacleMap::Nearest(
     }
   }
   // Boxes that grow: a segment outside of the last one is farther than it.
-  double reach = std::min(kCell, max_distance);
+  double reach = std::min(cell_, max_distance);
   for (;;) {
     const Eigen::Vector2d half(reach, reach);
     const Box box = BoxOf(p_W - half, p_W + half);
@@ -256,7 +288,7 @@ std::optional<RayHit> ObstacleMap::CastRay(const Eigen::Vector2d& p_W,
     const auto exit = [&](int axis, int cell) {
       if (direction(axis) == 0.0) return kInfinity;
       const double edge =
-          low_(axis) + kCell * (direction(axis) > 0.0 ? cell + 1 : cell);
+          low_(axis) + cell_ * (direction(axis) > 0.0 ? cell + 1 : cell);
       return (edge - p_W(axis)) / direction(axis);
     };
     const double exit_x = exit(0, x);

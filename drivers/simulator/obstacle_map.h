@@ -100,6 +100,7 @@ class ObstacleMap {
   std::vector<Segment2> segments_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
+  double cell_ = 0.0;  // m.
   int num_x_ = 0;
   int num_y_ = 0;
   std::vector<std::uint32_t> cell_starts_;  // num_x * num_y + 1.

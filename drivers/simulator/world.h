@@ -14,6 +14,10 @@
 
 namespace waymark {
 
+// How far from W's origin anything may be, along x and y: fine in a float, and
+// as far as walls are found quickly. m.
+inline constexpr double kMaxWorldReach = 200.0;
+
 // Every object carries `where`, the place in the file that it comes from
 // ("office.yaml:12: doors[2]"), for errors that are found only once it is
 // built. Lengths in m, angles in rad; headings from W's x toward its y.

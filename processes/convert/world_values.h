@@ -1,6 +1,7 @@
 // Values that objects of a world file have in common.
 #pragma once
 
+#include "drivers/simulator/world.h"
 #include "processes/support/configuration_range.h"
 #include "processes/support/yaml_group.h"
 
@@ -13,8 +14,8 @@
 
 namespace waymark {
 
-inline constexpr Range kCoordinate{-200.0, 200.0};  // m; fine in a float.
-inline constexpr Range kHeading{-360.0, 360.0};     // Degrees.
+inline constexpr Range kCoordinate{-kMaxWorldReach, kMaxWorldReach};  // m.
+inline constexpr Range kHeading{-360.0, 360.0};  // Degrees.
 inline constexpr Range kLight{0.0, 10.0};
 
 [[nodiscard]] Eigen::Vector2d Vector2Of(const std::vector<double>& numbers);

@@ -396,6 +396,61 @@ TEST(BuildScene, RefusesWorldsFarLargerThanBuildings) {
   world.rooms = {RectangleRoom("hall", 0, 0, 30, 30, 3.0)};
   world.rooms[0].lamps = {50, 41};
   EXPECT_THAT(error_of(world), testing::HasSubstr("more than 2000 lamps"));
+
+  const TemporaryDirectory folder;
+  cv::Mat1b image(400, 400, std::uint8_t{255});
+  image.row(0) = 0;
+  ASSERT_TRUE(cv::imwrite(folder / "plan.png", image));
+  WorldFloorPlan plan;
+  plan.where = "w.yaml:2: floor_plans[0]";
+  plan.image = folder / "plan.png";
+  plan.metres_per_pixel = 0.5;
+  world.rooms.clear();
+  world.floor_plans = {plan};
+  EXPECT_EQ(error_of(world),
+            "w.yaml:2: floor_plans[0]: metres_per_pixel: the image is 200 x "
+            "200 m with it: more than 20000 m^2 of floor with this plan");
+  world.floor_plans[0].metres_per_pixel = 10.0;
+  EXPECT_THAT(error_of(world), testing::HasSubstr("reaches beyond 200 m"));
+  // Its lamps count with those of rooms.
+  world.floor_plans[0].metres_per_pixel = 0.3;  // 40 x 40 lamps.
+  WorldLamp lamp;
+  lamp.at << 1.0, 1.0, 2.0;
+  world.lamps.assign(401, lamp);
+  EXPECT_THAT(
+      error_of(world),
+      testing::AllOf(
+          testing::StartsWith("w.yaml:2: floor_plans[0]: metres_per_pixel: "),
+          testing::HasSubstr("more than 2000 lamps with this plan's")));
+  world.lamps.clear();
+  EXPECT_EQ(BuildScene(world, SceneLooks::kPlain).lamps.size(), 1600u);
+}
+
+// Lines across them, and their light, would take hours.
+TEST(BuildScene, RefusesModelsWithFarMoreFacesThanBuildings) {
+  const TemporaryDirectory folder;
+  {
+    std::ofstream file(folder / "levels.obj");
+    file << "v 0 0.5 0\nv 199 0.5 0\nv 199 0.5 199\nv 0 0.5 199\n";
+    for (int i = 0; i < 3; ++i) file << "f 1 2 3 4\n";
+  }
+  World world;
+  WorldModel model;
+  model.where = "w.yaml:2: models[0]";
+  model.file = folder / "levels.obj";
+  model.at << 0.0, 199.0, 0.0;
+  world.models = {model};
+  EXPECT_FALSE(WalkArea(world).map().segments().empty());
+  model.where = "w.yaml:3: models[1]";
+  world.models.push_back(model);
+  EXPECT_THROW((void)BuildScene(world), InputError);
+  try {
+    (void)BuildScene(world, SceneLooks::kPlain);
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "w.yaml:3: models[1]: file: " + model.file +
+                  ": more than 200000 m^2 of faces with this model");
+  }
 }
 
 }  // namespace

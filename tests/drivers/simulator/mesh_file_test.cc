@@ -289,6 +289,20 @@ TEST_F(MeshFileTest, GltfErrorsNameFileAndEntry) {
                 AllOf(HasSubstr("bad.gltf"), HasSubstr(what)));
   };
   refuses("\"2.0\"", "\"1.0\"", "version must be 2.x");
+  // What makes a file none of these is said before what is wrong within it.
+  const std::string without_views =
+      Replaced(kGltf, "\"bufferViews\"", "\"noViews\"");
+  EXPECT_THAT(
+      ErrorOf(Write("bad.gltf",
+                    Replaced(without_views,
+                             "\"asset\"",
+                             "\"extensionsRequired\": "
+                             "[\"KHR_draco_mesh_compression\"], \"asset\""))),
+      HasSubstr("needs the extension \"KHR_draco_mesh_compression\""));
+  EXPECT_THAT(
+      ErrorOf(Write("bad.gltf",
+                    "{\"asset\": {\"version\": \"1.0\"}, \"accessors\": {}}")),
+      HasSubstr("version must be 2.x"));
   refuses("\"scene\": 0", "\"scene\": 1", "scene must be a whole number");
   refuses("\"children\": [1]", "\"children\": [2]", "there are 2 nodes");
   refuses("\"children\": [1]", "\"children\": [0]", "64 nodes in one another");
@@ -327,7 +341,12 @@ TEST_F(MeshFileTest, RefusesNumbersThatAreNone) {
 TEST_F(MeshFileTest, RefusesAModelTooLarge) {
   MeshFileOptions options;
   options.scale = 1000.0;
-  EXPECT_THAT(ErrorOf(WriteObj(), options), HasSubstr("m across"));
+  EXPECT_THAT(ErrorOf(WriteObj(), options), HasSubstr("more than 200 m"));
+  options.scale = 1.0;
+  options.X_WM.translation() << 0.0, -200.0, 0.0;
+  EXPECT_EQ(ErrorOf(WriteObj(), options), "none");
+  options.X_WM.translation() << 0.0, -200.5, 0.0;
+  EXPECT_THAT(ErrorOf(WriteObj(), options), HasSubstr("reaches 200.5"));
   options.scale = 0.0;
   Scene scene;
   EXPECT_THROW(AppendMeshFile(WriteObj(), "wall", options, &scene),
