@@ -173,11 +173,9 @@ void PaintShapes(Random* random, Canvas canvas) {
 void PaintMosaic(Random* random, Canvas canvas) {
   const std::vector<cv::Vec3f> palette = RandomPalette(6, random);
   const float side = std::min(canvas.width(), canvas.height());
-  PaintMosaicPart(palette,
-                  side * Between(random, 0.08f, 0.15f),
-                  side * Between(random, 0.004f, 0.016f),
-                  random,
-                  std::move(canvas));
+  const float line = side * Between(random, 0.004f, 0.016f);
+  const float smallest = side * Between(random, 0.08f, 0.15f);
+  PaintMosaicPart(palette, smallest, line, random, std::move(canvas));
 }
 
 void PaintTriangles(Random* random, Canvas canvas) {
@@ -194,10 +192,10 @@ void PaintTriangles(Random* random, Canvas canvas) {
       const std::array<Eigen::Vector2f, 3> lower{grid.At(column + 1, row),
                                                  grid.At(column + 1, row + 1),
                                                  grid.At(column, row + 1)};
-      canvas.Polygon(upper,
-                     AnyOf(palette, random) * Between(random, 0.75f, 1.1f));
-      canvas.Polygon(lower,
-                     AnyOf(palette, random) * Between(random, 0.75f, 1.1f));
+      for (const auto& corners : {upper, lower}) {
+        const float light = Between(random, 0.75f, 1.1f);
+        canvas.Polygon(corners, AnyOf(palette, random) * light);
+      }
     }
   }
 }
@@ -210,7 +208,8 @@ void PaintGlass(Random* random, Canvas canvas) {
   const PointGrid grid = RandomGrid(canvas, cell, random);
   std::vector<cv::Vec3f> colors;
   for (std::size_t i = 0; i < grid.points.size(); ++i) {
-    colors.push_back(AnyOf(palette, random) * Between(random, 0.8f, 1.1f));
+    const float light = Between(random, 0.8f, 1.1f);
+    colors.push_back(AnyOf(palette, random) * light);
   }
   cv::Mat3b& image = canvas.image();
   for (int y = 0; y < image.rows; ++y) {

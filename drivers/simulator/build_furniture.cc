@@ -303,11 +303,11 @@ class Piece {
                                        finishes_.Plain({44, 92, 50})};
     const int leaves = 34;
     for (int i = 0; i < leaves; ++i) {
-      Leaf(2.399963 * i,  // The golden angle: no two above each other.
-           pot,
-           radius * random_.Uniform(0.55, 1.0),
-           (height_ - pot) * random_.Uniform(0.45, 1.0),
-           greens[random_.Index(greens.size())]);
+      const Finish& green = greens[random_.Index(greens.size())];
+      const double rise = (height_ - pot) * random_.Uniform(0.45, 1.0);
+      const double reach = radius * random_.Uniform(0.55, 1.0);
+      // The golden angle: no two above each other.
+      Leaf(2.399963 * i, pot, reach, rise, green);
     }
   }
 

@@ -41,10 +41,12 @@ void PaintPrint(float line, Random* random, Canvas canvas) {
 void PaintLetter(float metre, Random* random, Canvas canvas) {
   const float w = canvas.width();
   const float h = canvas.height();
-  canvas.Text(RandomTitle(1 + static_cast<int>(random->Index(2)), random),
+  const int font = static_cast<int>(random->Index(5));
+  const int words = 1 + static_cast<int>(random->Index(2));
+  canvas.Text(RandomTitle(words, random),
               {0.08f * w, 0.05f * h, 0.84f * w, 0.11f * h},
               {kInk, kInk, kInk},
-              static_cast<int>(random->Index(5)));
+              font);
   if (random->Index(2) == 0) {  // A letterhead.
     canvas.Box(0.08f * w,
                0.18f * h,
@@ -60,12 +62,15 @@ void PaintLetter(float metre, Random* random, Canvas canvas) {
 void PaintFlyer(float metre, Random* random, Canvas canvas) {
   const float w = canvas.width();
   const float h = canvas.height();
-  canvas.Fill(ColorOfHue(random->Uniform(), random->Uniform(0.1, 0.6), 0.9));
+  const double saturation = random->Uniform(0.1, 0.6);
+  canvas.Fill(ColorOfHue(random->Uniform(), saturation, 0.9));
   PaintPicture(random, canvas.Part(0.06f * w, 0.2f * h, 0.88f * w, 0.45f * h));
+  const int font = static_cast<int>(random->Index(5));
+  const cv::Vec3f color = ColorOfHue(random->Uniform(), 0.8, 0.35);
   canvas.Text(RandomTitle(1, random),
               {0.06f * w, 0.03f * h, 0.88f * w, 0.15f * h},
-              ColorOfHue(random->Uniform(), 0.8, 0.35),
-              static_cast<int>(random->Index(5)));
+              color,
+              font);
   PaintPrint(metre * 0.011f,
              random,
              canvas.Part(0.1f * w, 0.7f * h, 0.8f * w, 0.26f * h));
@@ -157,11 +162,11 @@ void PaintNoticeboard(const std::optional<cv::Vec3b>& frame,
   const int columns = std::max(1, static_cast<int>(canvas.width() / cell));
   const int rows = std::max(1, static_cast<int>(canvas.height() / cell));
   const auto pin = [&](float column, float row, float spread) {
+    const float down = Between(&random, -spread, spread);
+    const float right = Between(&random, -spread, spread);
     const Eigen::Vector2f middle(
-        canvas.width() * (column + Between(&random, -spread, spread)) /
-            static_cast<float>(columns),
-        canvas.height() * (row + Between(&random, -spread, spread)) /
-            static_cast<float>(rows));
+        canvas.width() * (column + right) / static_cast<float>(columns),
+        canvas.height() * (row + down) / static_cast<float>(rows));
     const cv::Mat3b paper = MakePaper(metre, &random);
     canvas.Paste(paper, middle, Between(&random, -0.09f, 0.09f));
     const float above = 0.44f * static_cast<float>(paper.rows);
@@ -178,9 +183,9 @@ void PaintNoticeboard(const std::optional<cv::Vec3b>& frame,
     }
   }
   for (int i = 0; i < 1 + columns * rows / 3; ++i) {
-    pin(static_cast<float>(random.Uniform(0.3, columns - 0.3)),
-        static_cast<float>(random.Uniform(0.3, rows - 0.3)),
-        0.0f);
+    const double row = random.Uniform(0.3, rows - 0.3);
+    const double column = random.Uniform(0.3, columns - 0.3);
+    pin(static_cast<float>(column), static_cast<float>(row), 0.0f);
   }
   const cv::Vec3f wood = frame ? cv::Vec3f(*frame) : cv::Vec3f(120, 165, 190);
   canvas.Border(0.03f * metre, wood);
@@ -288,11 +293,13 @@ void PaintNotices(double pixels_per_metre,
     } else {
       PaintFlyer(metre, &random, Canvas(paper));
     }
+    const float turn = Between(&random, -0.04f, 0.04f);
+    const float right = Between(&random, -0.04f, 0.04f);
+    const float up = Between(&random, -0.03f, 0.03f);
     canvas.Paste(paper,
-                 {middle + (place.x + Between(&random, -0.04f, 0.04f)) * metre,
-                  canvas.height() -
-                      (place.height + Between(&random, -0.03f, 0.03f)) * metre},
-                 Between(&random, -0.04f, 0.04f));
+                 {middle + (place.x + right) * metre,
+                  canvas.height() - (place.height + up) * metre},
+                 turn);
   }
 }
 

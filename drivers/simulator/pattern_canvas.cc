@@ -331,10 +331,10 @@ std::vector<cv::Vec3f> RandomPalette(int count, Random* random) {
     const double value = kValues[static_cast<std::size_t>(i) % kValues.size()];
     // Light colours of full saturation would glow.
     const double saturation = random->Uniform(0.1, value > 0.6 ? 0.5 : 0.8);
-    palette.push_back(ColorOfHue(
-        base + spread * i + random->Uniform(-0.04, 0.04),
-        saturation,
-        std::clamp(value + random->Uniform(-0.07, 0.07), 0.1, 0.95)));
+    const double light =
+        std::clamp(value + random->Uniform(-0.07, 0.07), 0.1, 0.95);
+    const double hue = base + spread * i + random->Uniform(-0.04, 0.04);
+    palette.push_back(ColorOfHue(hue, saturation, light));
   }
   return palette;
 }

@@ -20,8 +20,9 @@ cv::Mat3b Cloth(const cv::Vec3f& color, cv::Size size, Random* random) {
 }
 
 cv::Vec3f ClothColor(Random* random) {
-  return ColorOfHue(
-      random->Uniform(), random->Uniform(0.1, 0.5), random->Uniform(0.3, 0.75));
+  const double value = random->Uniform(0.3, 0.75);
+  const double saturation = random->Uniform(0.1, 0.5);
+  return ColorOfHue(random->Uniform(), saturation, value);
 }
 
 void PaintStripes(const cv::Vec3f& color, int stripes, Canvas canvas) {
@@ -142,9 +143,10 @@ PersonLook MakePersonLook(std::uint64_t seed) {
   const cv::Vec3f skin = kSkins[random.Index(kSkins.size())];
   const cv::Vec3f hair = kHairs[random.Index(kHairs.size())];
   const cv::Vec3f upper = ClothColor(&random);
-  const cv::Vec3f lower = ColorOfHue(random.Uniform(0.5, 0.75),
-                                     random.Uniform(0.1, 0.5),
-                                     random.Uniform(0.2, 0.5));
+  const double value = random.Uniform(0.2, 0.5);
+  const double saturation = random.Uniform(0.1, 0.5);
+  const cv::Vec3f lower =
+      ColorOfHue(random.Uniform(0.5, 0.75), saturation, value);
   const cv::Vec3f other = Mix(ClothColor(&random), {225, 228, 230}, 0.5f);
   look.build = static_cast<float>(random.Uniform(0.9, 1.1));
   look.has_long_hair = random.Index(2) == 0;

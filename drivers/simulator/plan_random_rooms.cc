@@ -65,7 +65,8 @@ class RoomPlanner {
 
   Point RandomSize() {
     if (draws_.Maybe(0.4)) {
-      const Point corridor(draws_.Uniform(4.0, 12.0), draws_.Uniform(1.3, 2.6));
+      const double width = draws_.Uniform(1.3, 2.6);
+      const Point corridor(draws_.Uniform(4.0, 12.0), width);
       return draws_.Maybe(0.5) ? corridor : Point(corridor.y(), corridor.x());
     }
     return {draws_.Uniform(2.5, 7.0), draws_.Uniform(2.5, 7.0)};

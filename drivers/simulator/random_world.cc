@@ -55,7 +55,8 @@ class Furnisher {
 
  private:
   Point PointIn(const Box& box) {
-    const Point share(draws_.Uniform(), draws_.Uniform());
+    const double y = draws_.Uniform();
+    const Point share(draws_.Uniform(), y);
     return turn_ * (box.min() + share.cwiseProduct(box.sizes()));
   }
 

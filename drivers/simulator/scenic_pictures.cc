@@ -93,12 +93,12 @@ void PaintPoster(Random* random, Canvas canvas) {
       continue;
     }
     const float indent = w * Between(random, 0.03f, 0.25f);
-    canvas.Text(
-        RandomTitle(line == 0 ? 1 : 1 + static_cast<int>(random->Index(3)),
-                    random),
-        {indent, y, w - indent - 0.04f * w, tall},
-        line % 2 == 0 ? palette[1] : palette[3],
-        static_cast<int>(random->Index(5)));
+    const int font = static_cast<int>(random->Index(5));
+    const int words = line == 0 ? 1 : 1 + static_cast<int>(random->Index(3));
+    canvas.Text(RandomTitle(words, random),
+                {indent, y, w - indent - 0.04f * w, tall},
+                line % 2 == 0 ? palette[1] : palette[3],
+                font);
     y += 1.15f * tall;
     ++line;
   }
@@ -108,15 +108,16 @@ void PaintLandscape(Random* random, Canvas canvas) {
   const std::vector<cv::Vec3f> palette = RandomPalette(6, random);
   const float w = canvas.width();
   const float h = canvas.height();
-  const cv::Vec3f sky = ColorOfHue(random->Uniform(0.5, 0.68),
-                                   random->Uniform(0.3, 0.7),
-                                   random->Uniform(0.5, 0.9));
+  const double value = random->Uniform(0.5, 0.9);
+  const double saturation = random->Uniform(0.3, 0.7);
+  const cv::Vec3f sky =
+      ColorOfHue(random->Uniform(0.5, 0.68), saturation, value);
   const cv::Vec3f haze(215, 225, 235);
   canvas.Gradient(sky, haze);
-  canvas.Disc(
-      {w * Between(random, 0.1f, 0.9f), h * Between(random, 0.1f, 0.3f)},
-      h * Between(random, 0.04f, 0.1f),
-      {170, 225, 240});
+  const float sun = h * Between(random, 0.04f, 0.1f);
+  const float sun_x = w * Between(random, 0.1f, 0.9f);
+  const float sun_y = h * Between(random, 0.1f, 0.3f);
+  canvas.Disc({sun_x, sun_y}, sun, {170, 225, 240});
   const int ridges = 3 + static_cast<int>(random->Index(3));
   for (int i = 0; i < ridges; ++i) {
     const float depth = static_cast<float>(i + 1) / static_cast<float>(ridges);
@@ -159,10 +160,10 @@ void PaintSkyline(Random* random, Canvas canvas) {
   const cv::Vec3f sky =
       is_night ? cv::Vec3f(80, 48, 34) : cv::Vec3f(225, 190, 150);
   canvas.Gradient(sky, Mix(sky, {140, 170, 235}, 0.7f));
-  canvas.Disc(
-      {w * Between(random, 0.1f, 0.9f), h * Between(random, 0.08f, 0.25f)},
-      h * Between(random, 0.04f, 0.08f),
-      {190, 230, 240});
+  const float moon = h * Between(random, 0.04f, 0.08f);
+  const float moon_x = w * Between(random, 0.1f, 0.9f);
+  const float moon_y = h * Between(random, 0.08f, 0.25f);
+  canvas.Disc({moon_x, moon_y}, moon, {190, 230, 240});
   for (int layer = 0; layer < 3; ++layer) {
     const float near = 0.5f * static_cast<float>(layer);
     float x = w * Between(random, -0.1f, 0.0f);
@@ -242,10 +243,10 @@ void PaintMap(Random* random, Canvas canvas) {
   canvas.Fill({205, 222, 228});
   const std::vector<cv::Vec3f> palette = RandomPalette(5, random);
   for (int i = 0; i < 14; ++i) {  // Parks, lakes, quarters.
-    canvas.Polygon(RandomPolygon(AnyPlace(canvas, random),
-                                 side * Between(random, 0.06f, 0.25f),
-                                 random),
-                   Mix(AnyOf(palette, random), {190, 215, 205}, 0.35f));
+    const cv::Vec3f color = Mix(AnyOf(palette, random), {190, 215, 205}, 0.35f);
+    const float radius = side * Between(random, 0.06f, 0.25f);
+    const Eigen::Vector2f middle = AnyPlace(canvas, random);
+    canvas.Polygon(RandomPolygon(middle, radius, random), color);
   }
   for (int i = 0; i < 26; ++i) {
     const float width = side * (i < 18 ? 0.008f : 0.022f);
@@ -265,10 +266,11 @@ void PaintMap(Random* random, Canvas canvas) {
     const Eigen::Vector2f at = AnyPlace(canvas, random);
     const float tall = side * Between(random, 0.03f, 0.07f);
     canvas.Disc(at, 0.3f * tall, palette[1]);
+    const int font = static_cast<int>(random->Index(3));
     canvas.Text(RandomTitle(1, random),
                 {at.x() + 0.4f * tall, at.y() - 0.5f * tall, 5.0f * tall, tall},
                 {35, 30, 40},
-                static_cast<int>(random->Index(3)));
+                font);
   }
 }
 

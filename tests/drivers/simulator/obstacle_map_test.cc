@@ -199,7 +199,7 @@ TEST(ObstacleMap, ATouchingDiscMayLeaveAndSlideButNotPush) {
 TEST(ObstacleMap, NothingIsPassedThroughOnAnyArc) {
   Random random(SeedFor(1, "arc"));
   int num_contacts = 0;
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < 3000; ++i) {
     const RandomScene scene = MakeScene(&random);
     const Eigen::Vector2d p = RandomPoint(&random);
     const double radius = random.Uniform(0.05, 0.4);

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <vector>
 
 namespace waymark {
@@ -29,6 +30,18 @@ TEST(RandomWorld, EveryoneHasAFreeStartAndPeopleWhoStandOnFloor) {
       EXPECT_GT(area.Clearance(person.at), 0.0) << seed;
       EXPECT_GT((person.at - start).norm(), kStartClearance) << seed;
     }
+  }
+}
+
+// With any compiler: a start follows from all that was drawn before.
+TEST(RandomWorld, DrawsComeInOneOrder) {
+  for (const auto& [seed, x, y] : {std::tuple(3, -1.0219675056, -2.5145584693),
+                                   {17, 0.6753311824, -0.7065954655},
+                                   {29, 4.6710956585, 3.7152367558},
+                                   {41, 2.1977470235, 3.1645812946}}) {
+    const World world = RandomWorld(static_cast<std::uint64_t>(seed));
+    EXPECT_NEAR(world.starts[0].X_WR.x, x, 1e-8) << seed;
+    EXPECT_NEAR(world.starts[0].X_WR.y, y, 1e-8) << seed;
   }
 }
 
