@@ -8,7 +8,7 @@
 namespace waymark {
 
 struct PersonState {
-  double waited_s = 0.0;  // Of all the time so far; more than that: went back.
+  double waited_s = 0.0;    // Of all the time so far.
   double patience_s = 0.0;  // Spent on the robot before them.
   Eigen::Vector2d aside_W = Eigen::Vector2d::Zero();  // From their path, m.
   // Of who goes beside the robot: in which direction from it they are, from W's

@@ -67,7 +67,7 @@ class Furnisher {
       const Point p = PointIn(draws_.OneOf(boxes_));
       if (walls.Clearance(p) < kStartClearance) continue;
       world_.starts.push_back({WhereIn(world_, "starts", 0),
-                               "start 1",
+                               "start 0",
                                {p.x(), p.y(), draws_.Uniform(-kPi, kPi)}});
       spots_.push_back({p, kStartClearance});
       return true;

@@ -19,7 +19,7 @@ void CheckWord(const YamlGroup& group, const std::string& name) {
         return static_cast<unsigned char>(c) > ' ' && c != '\x7f';
       });
   if (!is_word) {
-    throw InputError(group.Where() +
+    throw InputError(group.Where() + ": " + Quoted(name) +
                      ": names must be of one word, without blanks");
   }
 }
@@ -30,6 +30,7 @@ void WorldReader::ReadPerson(YamlGroup group) {
   WorldPerson person;
   person.name = group.Text("name").value_or(
       "person " + std::to_string(world_->people.size() + 1));
+  CheckIsOneLine(group, "name", person.name);
   person.where = group.Where(person.name);
   person.height = group.Number("height", {1.2, 2.2}).value_or(person.height);
   person.seed = Seed(&group, world_->people.size() + 1);

@@ -5,7 +5,6 @@
 #include "processes/convert/world_values.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 
@@ -21,12 +20,7 @@ void WorldReader::ReadRoom(YamlGroup group) {
   WorldRoom room;
   const auto name = group.Text("name");
   if (!name) group.Miss("name");
-  // They are told apart by it in errors of one line.
-  if (std::any_of(name->begin(), name->end(), [](char c) {
-        return std::iscntrl(static_cast<unsigned char>(c)) != 0;
-      })) {
-    throw InputError(group.Where() + ": name: must be one line");
-  }
+  CheckIsOneLine(group, "name", *name);
   room.name = *name;
   if (RoomNamed(*world_, room.name) >= 0) {
     group.Refuse("name", "must not be that of another room");

@@ -1,11 +1,19 @@
 #include "processes/convert/world_values.h"
 
+#include "estimation/base/input_error.h"
+
+#include <algorithm>
 #include <limits>
 
 namespace waymark {
 namespace {
 
 constexpr std::int64_t kMaxSeed = std::numeric_limits<std::int64_t>::max();
+
+// Letters beyond ASCII have bytes above it.
+bool IsControl(char c) {
+  return static_cast<unsigned char>(c) < ' ' || c == '\x7f';
+}
 
 }  // namespace
 
@@ -40,6 +48,29 @@ std::vector<Eigen::Vector2d> Points(
   std::vector<Eigen::Vector2d> points;
   for (const auto& row : rows) points.push_back(Vector2Of(row));
   return points;
+}
+
+void CheckIsOneLine(const YamlGroup& group,
+                    const std::string& key,
+                    const std::string& name) {
+  if (std::none_of(name.begin(), name.end(), IsControl)) return;
+  throw InputError(group.Where() + "." + key + " = " + Quoted(name) +
+                   ": must be one line");
+}
+
+std::string Quoted(const std::string& name) {
+  std::string text = "'";
+  for (const char c : name) {
+    if (!IsControl(c)) {
+      text += c;
+      continue;
+    }
+    constexpr const char* kDigits = "0123456789abcdef";
+    const auto code = static_cast<unsigned char>(c);
+    text.append("\\x") += kDigits[code / 16];
+    text += kDigits[code % 16];
+  }
+  return text + "'";
 }
 
 std::string Joined(const std::vector<std::string>& names) {

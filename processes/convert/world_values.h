@@ -47,6 +47,14 @@ void Put(Named value, std::vector<Named>* all) {
   all->push_back(std::move(value));
 }
 
+// InputError with "..., key = 'name': must be one line" where it is not: names
+// stand in errors and reports.
+void CheckIsOneLine(const YamlGroup& group,
+                    const std::string& key,
+                    const std::string& name);
+// In quotes, without what ends a line: "a\nb" is 'a\x0ab'.
+[[nodiscard]] std::string Quoted(const std::string& name);
+
 // "a, b, c".
 [[nodiscard]] std::string Joined(const std::vector<std::string>& names);
 

@@ -259,19 +259,24 @@ std::string Degrees(double heading) {
   return ShortestNumber(std::round(1e6 * DegreesFromRadians(heading)) / 1e6);
 }
 
-void PrintPose(const char* kind, const WorldPose& pose) {
+// The name is one word.
+void PrintPose(const char* kind, const std::string& name, const Pose2& X_WR) {
   fmt::print("{} {} {},{},{}\n",
              kind,
-             pose.name.empty() ? "-" : pose.name,
-             ShortestNumber(pose.X_WR.x),
-             ShortestNumber(pose.X_WR.y),
-             Degrees(pose.X_WR.heading));
+             name,
+             ShortestNumber(X_WR.x),
+             ShortestNumber(X_WR.y),
+             Degrees(X_WR.heading));
 }
 
 void Info(const Request& request) {
   const World world = LoadWorldFile(FindWorldFile(request.world));
-  for (const WorldPose& start : world.starts) PrintPose("start", start);
-  for (const WorldPose& place : world.places) PrintPose("place", place);
+  for (std::size_t i = 0; i < world.starts.size(); ++i) {
+    PrintPose("start", std::to_string(i), world.starts[i].X_WR);
+  }
+  for (const WorldPose& place : world.places) {
+    PrintPose("place", place.name, place.X_WR);
+  }
   for (const WorldRoute& route : world.routes) {
     fmt::print("route {}", route.name);
     for (const Eigen::Vector2d& p : route.points) {

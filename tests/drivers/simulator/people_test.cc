@@ -84,7 +84,7 @@ TEST(People, StepAsideForARobotInTheirWay) {
   }
 }
 
-TEST(People, WhereThereIsNoRoomStopGoBackAndGoOnWhenItIsGone) {
+TEST(People, WhereThereIsNoRoomStopGiveWayAndGoOnWhenItIsGone) {
   World world = WithPerson(Walker(false));
   // Fits one person.
   world.rooms = {RectangleRoom("a", 0.0, 1.73, 12.0, 2.27, 2.5)};
@@ -98,8 +98,38 @@ TEST(People, WhereThereIsNoRoomStopGoBackAndGoOnWhenItIsGone) {
   EXPECT_GT(LeastGap(with_robot, X_WR), People::kWaitGap - 0.006);
   EXPECT_NEAR(poses[500].x, stop, 0.006);  // Waits.
   EXPECT_NEAR(poses[650].x, stop, 0.006);
-  EXPECT_LT(poses[800].x, stop - 0.3);            // Has gone back.
+  EXPECT_LT(poses[800].x, stop - 0.3);            // Has given way.
   EXPECT_GT(poses[2900].x, poses[2000].x + 4.4);  // Walks on.
+}
+
+// A robot that stays before them until their patience is over, and then there:
+// they go off their path, away from it, and back when it is gone.
+TEST(People, InTheOpenGiveWayOffTheirPath) {
+  const People people(WithPerson(Walker(false)), {});
+  constexpr double kStep = 0.01;
+  std::vector<PersonState> states(1);
+  Pose2 X_WR{4.0, 2.0, 0.0};
+  double t = 0.0;
+  for (; states[0].patience_s < People::kPatienceS; t += kStep) {
+    ASSERT_LT(t, 10.0);
+    X_WR.y = people.PosesAt(t, X_WR, states)[0].y;
+    people.Meet(t, kStep, X_WR, &states);
+  }
+  const Eigen::Vector2d from = people.PosesAt(t, X_WR, states)[0].position();
+  for (int i = 0; i < 300; ++i, t += kStep) {
+    people.Meet(t, kStep, X_WR, &states);
+  }
+  const Eigen::Vector2d to = people.PosesAt(t, X_WR, states)[0].position();
+  EXPECT_NEAR((to - X_WR.position()).norm(),
+              kPersonRadius + PeopleOptions().robot_radius + People::kGiveGap,
+              People::kAsideSpeed * kStep);
+  const Eigen::Vector2d away = (from - X_WR.position()).normalized();
+  EXPECT_NEAR((to - from).dot(away), (to - from).norm(), 1e-6);
+  EXPECT_GT(states[0].aside_W.norm(), 1.0);
+  for (int i = 0; i < 1000; ++i, t += kStep) {
+    people.Meet(t, kStep, {100.0, 100.0, 0.0}, &states);
+  }
+  EXPECT_LT(states[0].aside_W.norm(), 1e-9);
 }
 
 TEST(People, WalkOnPastARobotBesideOrBehindThem) {
