@@ -132,6 +132,21 @@ TEST(DifferentialBase, AfterAStopMotionWaitsForACommandToStand) {
   EXPECT_EQ(base.Speeds(At(1.1)), (WheelSpeeds{0.2, 0.2}));
 }
 
+// From the first moment on: it could not brake before the time-out else.
+TEST(DifferentialBase, AShortTimeOutLimitsFreshCommandsOnTheSameCurve) {
+  DifferentialBase base(
+      {.command_timeout_s = 0.1, .max_wheel_acceleration = 2.0});
+  base.Command(At(0.0), 0.5, 0.0);
+  EXPECT_NEAR(base.Speeds(At(0.0)).right, 0.2, 1e-12);
+  EXPECT_NEAR(base.Speeds(At(0.05)).right, 0.1, 1e-12);
+  base.Command(At(0.05), 0.25, 1.0);
+  const WheelSpeeds speeds = base.Speeds(At(0.05));
+  EXPECT_NEAR(speeds.right, 0.2, 1e-12);
+  EXPECT_NEAR((speeds.right - speeds.left) / (speeds.right + speeds.left),
+              0.235 * 1.0 / (2.0 * 0.25),
+              1e-12);
+}
+
 TEST(DifferentialBase, NonsenseIsRefused) {
   DifferentialBase base(DifferentialBaseOptions{});
   EXPECT_THROW(base.Command(At(0), std::numeric_limits<double>::quiet_NaN(), 0),
