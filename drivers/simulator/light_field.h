@@ -58,8 +58,8 @@ class LightField {
     float openness = 1.0f;
   };
   // By everything but the lamps, over the hemisphere about n_W. Where the
-  // first eight rays find the open sky, or `is_dark` and little space (inside
-  // walls, which nobody sees), they are all.
+  // first eight rays meet nothing within the ambient radius, or `is_dark` and
+  // little space (inside walls, which nobody sees), they are all.
   [[nodiscard]] Gathered Gather(const Eigen::Vector3d& p_W,
                                 const Eigen::Vector3d& n_W,
                                 bool is_dark,

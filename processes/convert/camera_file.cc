@@ -1,5 +1,6 @@
 #include "processes/convert/camera_file.h"
 
+#include "drivers/video/image_file.h"
 #include "estimation/base/input_error.h"
 #include "estimation/camera/camera_parameters.h"
 #include "estimation/camera/hyperbolic_mirror.h"
@@ -17,9 +18,6 @@
 namespace waymark {
 namespace {
 
-// Widest and highest image, and most pixels: those of image files.
-constexpr std::int64_t kMaxSide = 16384;
-constexpr std::int64_t kMaxPixels = 1 << 26;
 // Focal lengths and centres, px, far beyond any camera's: what is larger is a
 // slip, and would make every ray the same.
 constexpr double kMaxFocal = 1e6;
@@ -50,8 +48,8 @@ struct Contents {
       kinds.emplace_back(NameOf(k), k);
     }
     d.Choice("model", &kind, kinds, "How rays become pixels");
-    d.Integer("width", &width, 1, kMaxSide, "Of the image, px");
-    d.Integer("height", &height, 1, kMaxSide, "Of the image, px");
+    d.Integer("width", &width, 1, kMaxImageFileSide, "Of the image, px");
+    d.Integer("height", &height, 1, kMaxImageFileSide, "Of the image, px");
     const std::vector<std::string>& names = ParameterNames(kind);
     values.resize(names.size());
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -126,9 +124,9 @@ CameraDescription CameraOf(const Contents& contents,
   if (contents.values[0] == 0.0 || contents.values[1] == 0.0) {
     throw InputError(source + ": fx and fy must be given, not 0");
   }
-  if (contents.width * contents.height > kMaxPixels) {
+  if (contents.width * contents.height > kMaxImageFilePixels) {
     throw InputError(source + ": width x height must be at most " +
-                     std::to_string(kMaxPixels) + " pixels");
+                     std::to_string(kMaxImageFilePixels) + " pixels");
   }
   CameraDescription camera;
   camera.size = {static_cast<int>(contents.width),

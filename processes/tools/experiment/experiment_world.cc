@@ -1,8 +1,8 @@
 #include "processes/tools/experiment/experiment_world.h"
 
 #include "drivers/simulator/build_scene.h"
-#include "drivers/simulator/mesh_outline.h"
 #include "drivers/simulator/people.h"
+#include "drivers/simulator/walk_area.h"
 #include "estimation/base/fingerprint.h"
 #include "estimation/geometry/angle.h"
 #include "processes/convert/world_file.h"
@@ -17,13 +17,8 @@
 namespace waymark {
 namespace {
 
-std::vector<Segment2> WallsIn(const World& world, double height) {
-  return OutlineOfMesh(BuildScene(world, SceneLooks::kPlain).mesh,
-                       {.high = height});
-}
-
 std::vector<Segment2> SegmentsOf(const World& world, double height) {
-  std::vector<Segment2> segments = WallsIn(world, height);
+  std::vector<Segment2> segments = WalkArea(world, height).map().segments();
   for (const WorldPerson& person : world.people) {
     if (person.motion != PersonMotion::kStand) continue;
     // The square about the person.
@@ -114,8 +109,9 @@ DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
 }
 
 ObstacleMap WallsOf(const SimulatorConfig& config) {
-  return ObstacleMap(WallsIn(LoadWorldFile(FindWorldFile(config.world)),
-                             config.robot.height));
+  return WalkArea(LoadWorldFile(FindWorldFile(config.world)),
+                  config.robot.height)
+      .map();
 }
 
 void CheckForRuns(const SimulatorConfig& config) {

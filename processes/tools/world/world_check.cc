@@ -108,20 +108,6 @@ std::string NameOf(const std::string& where) {
   return colon == std::string::npos ? where : where.substr(colon + 2);
 }
 
-double DistanceFrom(const WalkArea::Outline& outline,
-                    const Eigen::Vector2d& p) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const Eigen::Vector2d& a = outline[i];
-    const Eigen::Vector2d way = outline[(i + 1) % outline.size()] - a;
-    const double length = way.squaredNorm();
-    const double share =
-        length > 0.0 ? std::clamp((p - a).dot(way) / length, 0.0, 1.0) : 0.0;
-    nearest = std::min(nearest, (p - a - share * way).norm());
-  }
-  return nearest;
-}
-
 // The pillar or piece of furniture that p is in, else the one within `reach` of
 // it; nullopt: neither.
 struct Thing {
@@ -135,7 +121,7 @@ std::optional<Thing> ThingAt(const World& world,
   const auto look = [&](const std::string& where,
                         const WalkArea::Outline& outline) {
     if (IsInside(outline, p)) thing = {NameOf(where), true};
-    if (!thing && DistanceFrom(outline, p) <= reach) {
+    if (!thing && DistanceToOutline(outline, p) <= reach) {
       thing = {NameOf(where), false};
     }
   };

@@ -86,6 +86,13 @@ TEST_F(WorldTool, ListsTheWorldsThatComeWithIt) {
   EXPECT_THAT(output_, HasSubstr("t_corridors          15 x 12 m "));
 }
 
+// Kind, name, pose: scripts take the second word for the name.
+TEST_F(WorldTool, InfoHasOneWordForEachName) {
+  ASSERT_EQ(Run({"info", world_}), 0) << error_;
+  EXPECT_THAT(output_, HasSubstr("start 0 1,2,0\n"));
+  EXPECT_THAT(output_, HasSubstr("\nplace end "));
+}
+
 TEST_F(WorldTool, ChecksStartsPlacesAndBrightness) {
   EXPECT_EQ(Run({"check", world_, "-v"}), 0) << output_;
   EXPECT_THAT(output_, HasSubstr("good: start 0, 0 deg, perspective: mean"));
