@@ -94,7 +94,10 @@ class ReplayBus::Impl {
     constexpr Duration kLongestGap = std::chrono::seconds(10);
     for (const auto& process : processes) {
       Timers& timers = process->timers();
-      if (!timers.has_started() || end < now_ || end - now_ > kLongestGap) {
+      // Damaged logs have any time: a difference may be too large to be one.
+      const bool is_gap = end < now_ || (now_ < Time::max() - kLongestGap &&
+                                         now_ + kLongestGap < end);
+      if (!timers.has_started() || is_gap) {
         timers.Start(end);
       }
     }

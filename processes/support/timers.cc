@@ -7,25 +7,35 @@
 #include <utility>
 
 namespace waymark {
+namespace {
+
+// Damaged logs have any time: the last one of all stands for never.
+Time Later(Time t, Duration period) {
+  return t > Time::max() - period ? Time::max() : t + period;
+}
+
+}  // namespace
 
 void Timers::Add(Duration period, Action action) {
   WAYMARK_CHECK(period > Duration(0), period.count());
-  const Time due = now_ ? *now_ + period : Time();
+  const Time due = now_ ? Later(*now_, period) : Time();
   timers_.push_back({period, std::move(action), due});
 }
 
 void Timers::Start(Time now) {
   now_ = now;
-  for (Timer& timer : timers_) timer.due = now + timer.period;
+  for (Timer& timer : timers_) timer.due = Later(now, timer.period);
 }
 
 std::optional<Time> Timers::next() const {
   if (!now_ || timers_.empty()) return std::nullopt;
-  return std::min_element(
-             timers_.begin(),
-             timers_.end(),
-             [](const Timer& a, const Timer& b) { return a.due < b.due; })
-      ->due;
+  const Time due = std::min_element(timers_.begin(),
+                                    timers_.end(),
+                                    [](const Timer& a, const Timer& b) {
+                                      return a.due < b.due;
+                                    })
+                       ->due;
+  return due == Time::max() ? std::nullopt : std::optional(due);
 }
 
 void Timers::RunDue(Time now) {
@@ -37,8 +47,12 @@ void Timers::RunDue(Time now) {
         timers_.begin(), timers_.end(), [](const Timer& a, const Timer& b) {
           return a.due < b.due;
         });
-    if (first == timers_.end() || first->due > now) return;
-    first->due += first->period * ((now - first->due) / first->period + 1);
+    if (first == timers_.end() || first->due > now ||
+        first->due == Time::max()) {
+      return;
+    }
+    const auto num_missed = (now - first->due) / first->period;
+    first->due = Later(first->due + num_missed * first->period, first->period);
     // By a copy: the call may add a timer, which moves them.
     const Action action = first->action;
     action(now);

@@ -23,7 +23,8 @@ class Timers {
   void Start(Time now);
   [[nodiscard]] bool has_started() const { return now_.has_value(); }
 
-  // When the next call is due; nullopt before Start() or without a timer.
+  // When the next call is due; nullopt before Start(), without a timer, and
+  // where none is due before the end of time.
   [[nodiscard]] std::optional<Time> next() const;
 
   // Makes the calls that are due at `now`, in the order of their due times,

@@ -27,6 +27,23 @@ class Diary {
   std::vector<std::string> lines;
 };
 
+TEST(Timers, ComeToAnEndWithTime) {
+  Timers timers;
+  Diary diary;
+  timers.Add(Duration(10), diary.Writer("a"));
+  timers.Start(Time::max() - Duration(15));
+  EXPECT_EQ(timers.next(), Time::max() - Duration(5));
+  timers.RunDue(Time::max());
+  EXPECT_EQ(diary.lines.size(), 1u);
+  EXPECT_EQ(timers.next(), std::nullopt);
+  timers.RunDue(Time::max());
+  EXPECT_EQ(diary.lines.size(), 1u);
+  timers.RunDue(Time::min());  // Begins anew.
+  EXPECT_EQ(timers.next(), Time::min() + Duration(10));
+  timers.RunDue(Time::min() + Duration(10));
+  EXPECT_EQ(diary.lines.size(), 2u);
+}
+
 TEST(Timers, CallInTheOrderOfDueTimesThenOfAdding) {
   Timers timers;
   Diary diary;
