@@ -17,14 +17,6 @@ constexpr float kSmoothChange = 0.08f;
 constexpr float kSmoothBend = 0.03f;
 constexpr float kLeastChange = 0.004f;
 
-Float4 Mix(const Float4& a, const Float4& b, float share) {
-  return a + Broadcast(share) * (b - a);
-}
-
-float Largest(const Float4& a) {
-  return std::max({a[0], a[1], a[2]});
-}
-
 std::size_t GridIndex(int x, int y, int num_columns) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(num_columns) +
          static_cast<std::size_t>(x);

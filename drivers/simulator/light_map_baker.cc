@@ -36,16 +36,8 @@ constexpr std::uint8_t kLogBorder = 1;
 constexpr std::uint8_t kLogFine = 2;
 constexpr std::uint8_t kLogFinest = 3;
 
-float Largest(const Float4& a) {
-  return std::max({a[0], a[1], a[2]});
-}
-
 Vector3d Facing(const LightChart& chart, int side) {
   return side == 0 ? chart.normal : Vector3d(-chart.normal);
-}
-
-Float4 Mix(const Float4& a, const Float4& b, float share) {
-  return a + Broadcast(share) * (b - a);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // of GCC and clang: the same on every machine that has 16-byte vectors.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -22,6 +23,16 @@ inline Float4 LoadFour(const float* from) {
 
 inline void StoreFour(const Float4& four, float* to) {
   std::memcpy(to, &four, sizeof four);
+}
+
+// a where `share` is 0, b where it is 1.
+inline Float4 Mix(const Float4& a, const Float4& b, float share) {
+  return a + Broadcast(share) * (b - a);
+}
+
+// Of the three colours.
+inline float Largest(const Float4& a) {
+  return std::max({a[0], a[1], a[2]});
 }
 
 // Of eight values: bit i is set where value i is `value`.

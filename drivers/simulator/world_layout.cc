@@ -85,15 +85,6 @@ void CheckOutline(const WorldRoom& room) {
   }
 }
 
-double DistanceToWall(const Eigen::Vector2d& a,
-                      const Eigen::Vector2d& b,
-                      const Eigen::Vector2d& p) {
-  const Eigen::Vector2d along = b - a;
-  const double t =
-      std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (a + t * along - p).norm();
-}
-
 // Between two outlines that do not cross: at a corner of one of them.
 double Distance(const WorldRoom& a, const WorldRoom& b) {
   double distance = std::numeric_limits<double>::infinity();
@@ -347,12 +338,23 @@ bool IsInside(const std::vector<Eigen::Vector2d>& outline,
   return is_inside;
 }
 
+double DistanceToSegment(const Eigen::Vector2d& a,
+                         const Eigen::Vector2d& b,
+                         const Eigen::Vector2d& point) {
+  const Eigen::Vector2d along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0.0
+                       ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0)
+                       : 0.0;
+  return (a + t * along - point).norm();
+}
+
 double DistanceToOutline(const std::vector<Eigen::Vector2d>& outline,
                          const Eigen::Vector2d& point) {
   double distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0, k = outline.size() - 1; i < outline.size(); k = i++) {
     distance =
-        std::min(distance, DistanceToWall(outline[k], outline[i], point));
+        std::min(distance, DistanceToSegment(outline[k], outline[i], point));
   }
   return distance;
 }

@@ -74,6 +74,10 @@ inline constexpr double kMinWallThickness = 0.02;
 
 [[nodiscard]] bool IsInside(const std::vector<Eigen::Vector2d>& outline,
                             const Eigen::Vector2d& point);
+// Of a point from the line between a and b, which may be one point.
+[[nodiscard]] double DistanceToSegment(const Eigen::Vector2d& a,
+                                       const Eigen::Vector2d& b,
+                                       const Eigen::Vector2d& point);
 [[nodiscard]] double DistanceToOutline(
     const std::vector<Eigen::Vector2d>& outline, const Eigen::Vector2d& point);
 // Index of the room that has a point in it, or -1.

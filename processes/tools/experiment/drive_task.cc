@@ -1,5 +1,6 @@
 #include "processes/tools/experiment/drive_task.h"
 
+#include "drivers/simulator/world_layout.h"
 #include "estimation/base/random.h"
 #include "estimation/geometry/angle.h"
 
@@ -9,16 +10,6 @@
 
 namespace waymark {
 namespace {
-
-double DistanceToSegment(const Eigen::Vector2d& p,
-                         const Eigen::Vector2d& a,
-                         const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t =
-      length2 > 0.0 ? std::clamp(along.dot(p - a) / length2, 0.0, 1.0) : 0.0;
-  return (a + t * along - p).norm();
-}
 
 // Appends what follows points[first] up to points[last].
 void AppendSimplified(const std::vector<Eigen::Vector2d>& points,
@@ -30,7 +21,7 @@ void AppendSimplified(const std::vector<Eigen::Vector2d>& points,
   std::size_t middle = last;
   for (std::size_t i = first + 1; i < last; ++i) {
     const double distance =
-        DistanceToSegment(points[i], points[first], points[last]);
+        DistanceToSegment(points[first], points[last], points[i]);
     if (distance <= farthest) continue;
     farthest = distance;
     middle = i;
