@@ -12,6 +12,7 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -34,7 +35,10 @@ void PeopleOptions::Check() const {
 }
 
 People::People(const World& world, const PeopleOptions& options)
-    : people_(world.people), area_(world), options_(options) {
+    : People(world, WalkArea(world), options) {}
+
+People::People(const World& world, WalkArea area, const PeopleOptions& options)
+    : people_(world.people), area_(std::move(area)), options_(options) {
   options.Check();
   for (const WorldPerson& person : people_) {
     Path path;

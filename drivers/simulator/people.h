@@ -24,7 +24,10 @@ struct PeopleOptions {
 // far, which whoever asks remembers for them.
 class People {
  public:
-  // Throws InputError where a path has no length, or the world is none.
+  // `area`: of the same world, for a body of kPersonHeight. Throws InputError
+  // where a path has no length.
+  People(const World& world, WalkArea area, const PeopleOptions& options);
+  // Builds the area, and throws as WalkArea(world) does.
   People(const World& world, const PeopleOptions& options);
 
   // X_WP of each person in the order of World::people.

@@ -74,7 +74,9 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
       world_(LoadWorldFile(FindWorldFile(config.world))),
       scene_(BuildScene(world_, LooksFor(config))),
       area_(world_, scene_.mesh, config.robot.height),
-      people_(world_, PeopleOptions{config.robot.radius}),
+      people_(world_,
+              WalkArea(world_, scene_.mesh, kPersonHeight),
+              PeopleOptions{config.robot.radius}),
       range_options_(RangeOptions(config)),
       saver_(config.state_file, bus->is_offline()) {
   if (config.range_height > 0.0) {

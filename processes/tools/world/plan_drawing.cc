@@ -312,7 +312,8 @@ class PlanDrawer {
 
   void DrawPeople() {
     const Pose2 X_WR = world_.starts.empty() ? Pose2{} : world_.starts[0].X_WR;
-    const auto poses = People(world_, {}).PosesAt(options_.seconds, X_WR);
+    const auto poses =
+        People(world_, area_, {}).PosesAt(options_.seconds, X_WR);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (world_.people[i].motion == PersonMotion::kWalk) {
         const auto& path = world_.people[i].path;
