@@ -33,6 +33,8 @@ struct AbsoluteFix {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Pose2 X_WF;  // Frame of the measurement in the world.
   Pose2 X_RS;  // Sensor on the robot.
+
+  [[nodiscard]] bool has_any() const { return has[0] || has[1] || has[2]; }
 };
 
 // Motion X_S0S1 of a sensor between two times, measured by the sensor.

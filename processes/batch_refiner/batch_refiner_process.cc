@@ -49,7 +49,8 @@ BatchRefinerProcess::BatchRefinerProcess(const Config& config, Bus* bus)
       bus,
       {.on_reading = [this](const EncoderReading& raw,
                             int bits) { OnReading(raw, bits); },
-       .on_fix = [this](const AbsoluteFix& fix) { window_.Add(fix); },
+       .on_fix = [this](const AbsoluteFix& fix,
+                        std::string_view) { window_.Add(fix); },
        .on_motion = [this](const RelativeMotion& m) { window_.Add(m); },
        .on_initial_pose = {},
        .on_parameters =

@@ -19,19 +19,20 @@ namespace waymark {
 [[nodiscard]] OdometryParameters ParametersFromResult(
     const BatchResult& result);
 
-// ENCODERS, POSITION_FIX, RELATIVE_MOTION, ODOMETRY_PARAMETERS (nominal) ->
-// ODOMETRY_PARAMETERS (batch). Solves whenever the encoders' time has moved on
-// by period_s, in the handler: a slow job (some 0.1 s), which its mailboxes
-// outlast. What it publishes depends on the messages and their order only, not
-// on how long it takes. Where there is no answer it says so, and why: what was
-// published last as known stays the best that is known.
+// ENCODERS, POSITION_FIX, CORRIDOR_POSE, RELATIVE_MOTION, ODOMETRY_PARAMETERS
+// (nominal) -> ODOMETRY_PARAMETERS (batch). Solves whenever the encoders' time
+// has moved on by period_s, in the handler: a slow job (some 0.1 s), which its
+// mailboxes outlast. What it publishes depends on the messages and their order
+// only, not on how long it takes. Where there is no answer it says so, and why:
+// what was published last as known stays the best that is known.
 class BatchRefinerProcess {
  public:
   using Config = BatchRefinerConfig;
   static constexpr std::string_view kName = "batch_refiner";
   static constexpr std::string_view kAbout =
       "Wheel parameters over a sliding window: ENCODERS, POSITION_FIX, "
-      "RELATIVE_MOTION, ODOMETRY_PARAMETERS -> ODOMETRY_PARAMETERS.";
+      "CORRIDOR_POSE, RELATIVE_MOTION, ODOMETRY_PARAMETERS -> "
+      "ODOMETRY_PARAMETERS.";
 
   BatchRefinerProcess(const Config& config, Bus* bus);
   // Solves what came after the last solution.

@@ -1,5 +1,6 @@
 #include "processes/convert/odometry_inputs.h"
 
+#include "processes/convert/corridor_convert.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
 
@@ -44,6 +45,20 @@ void SubscribeValues(Bus* bus,
       });
 }
 
+template <typename Message>
+void SubscribeFixes(
+    Bus* bus,
+    std::string_view channel,
+    std::optional<AbsoluteFix> (*from_message)(const Message&, std::string*),
+    const std::function<void(const AbsoluteFix&, std::string_view)>& handle) {
+  if (!handle) return;
+  SubscribeValues<Message, AbsoluteFix>(
+      bus, channel, from_message, [channel, handle](const AbsoluteFix& fix) {
+        // An answer 'none' is no measurement.
+        if (fix.has_any()) handle(fix, channel);
+      });
+}
+
 }  // namespace
 
 void SubscribeOdometryInputs(Bus* bus, const OdometryInputs& inputs) {
@@ -62,7 +77,8 @@ void SubscribeOdometryInputs(Bus* bus, const OdometryInputs& inputs) {
   }
   SubscribeValues(
       bus, kEncoders, CountedReadingFromMessage, std::move(on_counted));
-  SubscribeValues(bus, kPositionFix, AbsoluteFixFromMessage, inputs.on_fix);
+  SubscribeFixes(bus, kPositionFix, AbsoluteFixFromMessage, inputs.on_fix);
+  SubscribeFixes(bus, kCorridorPose, CorridorFixFromMessage, inputs.on_fix);
   SubscribeValues(
       bus, kRelativeMotion, RelativeMotionFromMessage, inputs.on_motion);
   SubscribeValues(

@@ -39,7 +39,8 @@ PoseFilterProcess::PoseFilterProcess(const Config& config, Bus* bus)
       bus,
       {.on_reading = [this](const EncoderReading& raw,
                             int bits) { OnReading(raw, bits); },
-       .on_fix = [this](const AbsoluteFix& fix) { OnFix(fix); },
+       .on_fix = [this](const AbsoluteFix& fix,
+                        std::string_view channel) { OnFix(fix, channel); },
        .on_motion = [this](const RelativeMotion& m) { OnMotion(m); },
        .on_initial_pose =
            [this](const InitialPose& pose) {
@@ -55,8 +56,9 @@ void PoseFilterProcess::OnReading(const EncoderReading& raw, int counter_bits) {
   PublishSettled();
 }
 
-void PoseFilterProcess::OnFix(const AbsoluteFix& fix) {
-  Report(kPositionFix, fusion_.AddFix(fix), fix.time);
+void PoseFilterProcess::OnFix(const AbsoluteFix& fix,
+                              std::string_view channel) {
+  Report(channel, fusion_.AddFix(fix), fix.time);
   const auto newest = fusion_.newest_time();
   const Duration window = DurationFromSeconds(config_.window_s);
   if (!newest) {

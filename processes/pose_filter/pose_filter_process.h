@@ -13,18 +13,19 @@
 
 namespace waymark {
 
-// ENCODERS, POSITION_FIX, RELATIVE_MOTION, INITIAL_POSE, ODOMETRY_PARAMETERS
-// (nominal, batch) -> POSE, POSE_BOT and ODOMETRY with each reading,
-// POSE_SETTLED and, once per period, ODOMETRY_PARAMETERS (online) behind the
-// window. The latter two depend on what was sent only, not on when it arrived.
+// ENCODERS, POSITION_FIX, CORRIDOR_POSE, RELATIVE_MOTION, INITIAL_POSE,
+// ODOMETRY_PARAMETERS (nominal, batch) -> POSE, POSE_BOT and ODOMETRY with each
+// reading, POSE_SETTLED and, once per period, ODOMETRY_PARAMETERS (online)
+// behind the window. The latter two depend on what was sent only, not on when
+// it arrived.
 class PoseFilterProcess {
  public:
   using Config = PoseFilterConfig;
   static constexpr std::string_view kName = "pose_filter";
   static constexpr std::string_view kAbout =
-      "Where the robot is: ENCODERS, POSITION_FIX, RELATIVE_MOTION, "
-      "INITIAL_POSE, ODOMETRY_PARAMETERS -> POSE, POSE_BOT, POSE_SETTLED, "
-      "ODOMETRY, ODOMETRY_PARAMETERS.";
+      "Where the robot is: ENCODERS, POSITION_FIX, CORRIDOR_POSE, "
+      "RELATIVE_MOTION, INITIAL_POSE, ODOMETRY_PARAMETERS -> POSE, POSE_BOT, "
+      "POSE_SETTLED, ODOMETRY, ODOMETRY_PARAMETERS.";
 
   // Throws InputError where the parameter file cannot be used.
   PoseFilterProcess(const Config& config, Bus* bus);
@@ -33,7 +34,7 @@ class PoseFilterProcess {
 
  private:
   void OnReading(const EncoderReading& raw, int counter_bits);
-  void OnFix(const AbsoluteFix& fix);
+  void OnFix(const AbsoluteFix& fix, std::string_view channel);
   void OnMotion(const RelativeMotion& motion);
   void OnParameters(const OdometryParameters& parameters);
   void Report(std::string_view channel, Arrival arrival, Time time);

@@ -8,6 +8,7 @@ namespace waymark {
 
 inline constexpr std::string_view kEncoders = "ENCODERS";
 inline constexpr std::string_view kPositionFix = "POSITION_FIX";
+inline constexpr std::string_view kCorridorPose = "CORRIDOR_POSE";
 inline constexpr std::string_view kRelativeMotion = "RELATIVE_MOTION";
 inline constexpr std::string_view kInitialPose = "INITIAL_POSE";
 inline constexpr std::string_view kTruth = "TRUTH";

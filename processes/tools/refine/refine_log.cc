@@ -2,6 +2,7 @@
 
 #include "estimation/base/input_error.h"
 #include "estimation/filter/encoder_counter.h"
+#include "processes/convert/corridor_convert.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
 #include "processes/support/log_file.h"
@@ -25,6 +26,12 @@ class Collector {
       const auto fix =
           message ? AbsoluteFixFromMessage(*message, &reason_) : std::nullopt;
       if (fix) result_->log.fixes.push_back(*fix);
+      Count(fix.has_value());
+    } else if (event.channel == kCorridorPose) {
+      const auto message = DecodeAs<corridor_pose_t>(event);
+      const auto fix =
+          message ? CorridorFixFromMessage(*message, &reason_) : std::nullopt;
+      if (fix && fix->has_any()) result_->log.fixes.push_back(*fix);
       Count(fix.has_value());
     } else if (event.channel == kRelativeMotion) {
       const auto message = DecodeAs<relative_motion_t>(event);

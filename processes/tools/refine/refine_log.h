@@ -15,9 +15,9 @@ struct RefineLog {
   int num_bad = 0;                         // Messages that could not be used.
 };
 
-// Collects ENCODERS, POSITION_FIX, RELATIVE_MOTION, INITIAL_POSE and nominal
-// ODOMETRY_PARAMETERS. Throws InputError where the log cannot be read or holds
-// no encoder readings.
+// Collects ENCODERS, POSITION_FIX, CORRIDOR_POSE, RELATIVE_MOTION, INITIAL_POSE
+// and nominal ODOMETRY_PARAMETERS. Throws InputError where the log cannot be
+// read or holds no encoder readings.
 [[nodiscard]] RefineLog ReadRefineLog(const std::string& path,
                                       double max_wheel_speed);
 

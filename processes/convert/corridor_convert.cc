@@ -1,0 +1,137 @@
+#include "processes/convert/corridor_convert.h"
+
+#include "processes/convert/message_check.h"
+#include "processes/convert/odometry_convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+constexpr std::size_t kMaxLines = 500;
+
+std::vector<corridor_line_t> MessagesOfLines(
+    const std::vector<CorridorLine>& lines) {
+  std::vector<CorridorLine> sent = lines;
+  std::stable_partition(sent.begin(), sent.end(), [](const CorridorLine& l) {
+    return l.edge != CorridorEdge::kNone;
+  });
+  sent.resize(std::min(sent.size(), kMaxLines));
+  std::vector<corridor_line_t> messages;
+  messages.reserve(sent.size());
+  for (const CorridorLine& l : sent) {
+    corridor_line_t message;
+    message.ax = static_cast<float>(l.line.a.x());
+    message.ay = static_cast<float>(l.line.a.y());
+    message.bx = static_cast<float>(l.line.b.x());
+    message.by = static_cast<float>(l.line.b.y());
+    message.edge = static_cast<std::int8_t>(l.edge);
+    message.is_used = l.is_used ? 1 : 0;
+    messages.push_back(message);
+  }
+  return messages;
+}
+
+void CopyPose(const Pose2& X, double (&v)[3]) {
+  v[0] = X.x;
+  v[1] = X.y;
+  v[2] = X.heading;
+}
+
+// The robot's pose in L, without its x.
+position_fix_t FixOfRobot(const corridor_pose_t& message) {
+  position_fix_t fix;
+  fix.utime = message.utime;
+  fix.seq = message.seq;
+  fix.source = "corridor " + message.source;
+  fix.has_x = 0;
+  fix.has_y = message.has_y;
+  fix.has_heading = message.has_heading;
+  fix.x = 0.0;
+  fix.y = message.y_L;
+  fix.heading = message.heading_L;
+  std::fill(std::begin(fix.covariance), std::end(fix.covariance), 0.0);
+  fix.covariance[4] = message.covariance[0];
+  fix.covariance[5] = message.covariance[1];
+  fix.covariance[7] = message.covariance[2];
+  fix.covariance[8] = message.covariance[3];
+  std::copy(std::begin(message.corridor_W),
+            std::end(message.corridor_W),
+            std::begin(fix.frame_W));
+  std::copy(std::begin(message.sensor_R),
+            std::end(message.sensor_R),
+            std::begin(fix.sensor_R));
+  return fix;
+}
+
+// The same of the sensor: X_LS = X_LR * X_RS.
+void MoveToSensor(AbsoluteFix* fix) {
+  const Pose2 X_LR = Pose2::FromVector(fix->value);
+  // Its y and heading, and their derivatives, do not depend on X_LR's x.
+  const Pose2 X_LS = X_LR * fix->X_RS;
+  const Eigen::Matrix3d J = JacobiansOfCompose(X_LR, fix->X_RS).d_AB;
+  fix->covariance = (J * fix->covariance * J.transpose()).eval();
+  fix->value = X_LS.vector();
+  for (int i = 0; i < 3; ++i) {
+    if (fix->has[static_cast<std::size_t>(i)]) continue;
+    fix->value(i) = 0.0;
+    fix->covariance.row(i).setZero();
+    fix->covariance.col(i).setZero();
+  }
+}
+
+}  // namespace
+
+corridor_pose_t ToMessage(const CorridorAnswer& answer) {
+  const CorridorEstimate& estimate = answer.estimate;
+  corridor_pose_t message;
+  message.utime = Microseconds(answer.time);
+  message.seq = static_cast<std::int32_t>(answer.seq);
+  message.source = answer.source;
+  message.corridor = answer.corridor;
+  message.status = NameOf(estimate.status);
+  message.reason = estimate.reason;
+  message.has_heading = estimate.heading ? 1 : 0;
+  message.has_y = estimate.y ? 1 : 0;
+  message.y_L = estimate.y.value_or(0.0);
+  message.heading_L = estimate.heading.value_or(0.0);
+  for (int i = 0; i < 4; ++i) {
+    message.covariance[i] = estimate.covariance(i / 2, i % 2);
+  }
+  message.p_regular = estimate.p_regular;
+  CopyPose(answer.X_WL, message.corridor_W);
+  CopyPose(answer.X_RS, message.sensor_R);
+  message.has_vanishing_point = estimate.vanishing_point ? 1 : 0;
+  const Eigen::Vector2d point =
+      estimate.vanishing_point.value_or(Eigen::Vector2d::Zero());
+  message.vanishing_point[0] = point.x();
+  message.vanishing_point[1] = point.y();
+  message.lines = MessagesOfLines(estimate.lines);
+  message.num_lines = static_cast<std::int32_t>(message.lines.size());
+  return message;
+}
+
+std::optional<AbsoluteFix> CorridorFixFromMessage(
+    const corridor_pose_t& message, std::string* reason) {
+  const position_fix_t robot = FixOfRobot(message);
+  if (message.has_heading == 0) {
+    if (message.has_y != 0) {
+      Refuse(reason, "has_y: must not be true without has_heading");
+      return std::nullopt;
+    }
+    if (!CheckTime("utime", message.utime, reason)) return std::nullopt;
+    AbsoluteFix none;
+    none.time = TimeFromMicroseconds(message.utime);
+    none.seq = message.seq;
+    none.source = robot.source;
+    return none;
+  }
+  std::optional<AbsoluteFix> fix = AbsoluteFixFromMessage(robot, reason);
+  if (fix) MoveToSensor(&*fix);
+  return fix;
+}
+
+}  // namespace waymark
