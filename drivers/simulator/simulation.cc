@@ -177,8 +177,11 @@ void Simulation::TakeCamera(std::size_t camera,
     state.poses.push_back({t, X_WR, state.head.AnglesAt(t), PeopleAt(t, X_WR)});
     return;
   }
-  events->push_back(CameraEvent{
-      t, static_cast<int>(camera), state.frame, std::move(state.poses)});
+  events->push_back(CameraEvent{t,
+                                static_cast<int>(camera),
+                                state.frame,
+                                robot_.way(),
+                                std::move(state.poses)});
   state.poses.clear();
   state.frame = state.timer.Next();
 }

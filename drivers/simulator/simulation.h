@@ -102,6 +102,7 @@ struct CameraEvent {
   Time time;       // The end of the exposure.
   int camera = 0;  // Index of SimulationOptions::cameras.
   CameraFrame frame;
+  double way = 0.0;                 // That the robot had driven until then, m.
   std::vector<ExposurePose> poses;  // Evenly over the exposure, in order.
 };
 

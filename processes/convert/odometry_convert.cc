@@ -213,6 +213,30 @@ std::optional<InitialPose> InitialPoseFromMessage(const initial_pose_t& message,
                      0.5 * (P + P.transpose())};
 }
 
+std::optional<PoseEstimate> PoseEstimateFromMessage(const pose_t& message,
+                                                    std::string* reason) {
+  if (!CheckTime("utime", message.utime, reason)) return std::nullopt;
+  PoseEstimate estimate;
+  estimate.time = TimeFromMicroseconds(message.utime);
+  estimate.is_known = message.is_known != 0;
+  estimate.reason = message.reason;
+  estimate.num_accepted = message.num_accepted;
+  estimate.num_rejected = message.num_rejected;
+  if (!estimate.is_known) return estimate;
+  const Eigen::Matrix3d P = MatrixFrom<3>(message.covariance);
+  if (!CheckPose("pose_W", message.pose_W, reason) ||
+      !CheckCovariance("covariance", P, {0, 1, 2}, Definite::kSemi, reason) ||
+      !CheckNumber("velocity_R", message.velocity_R[0], reason) ||
+      !CheckNumber("velocity_R", message.velocity_R[1], reason)) {
+    return std::nullopt;
+  }
+  estimate.X_WR = PoseFrom(message.pose_W);
+  estimate.covariance = 0.5 * (P + P.transpose());
+  estimate.forward_speed = message.velocity_R[0];
+  estimate.turn_rate = message.velocity_R[1];
+  return estimate;
+}
+
 std::optional<OdometryParameters> OdometryParametersFromMessage(
     const odometry_parameters_t& message, std::string* reason) {
   if (!CheckTime("utime", message.utime, reason)) return std::nullopt;

@@ -48,6 +48,11 @@ namespace waymark {
 [[nodiscard]] std::optional<OdometryParameters> OdometryParametersFromMessage(
     const odometry_parameters_t& message, std::string* reason);
 
+// What a pose_filter believes. The covariance may be singular. Where the
+// message is not is_known, its numbers are neither checked nor taken.
+[[nodiscard]] std::optional<PoseEstimate> PoseEstimateFromMessage(
+    const pose_t& message, std::string* reason);
+
 [[nodiscard]] encoders_t ToMessage(const EncoderReading& reading,
                                    int counter_bits,
                                    bool is_virtual);

@@ -73,7 +73,18 @@ cv::Mat3f CameraRig::LightOf(const CameraEvent& event) const {
                          : RenderQuality::kStill);
 }
 
-CameraRig::Shot CameraRig::Expose(const CameraEvent& event) {
+bool CameraRig::IsCovered(const CameraEvent& event) const {
+  const std::vector<double>& covered = config_.covered_way;
+  return !covered.empty() && event.way >= covered[0] && event.way < covered[1];
+}
+
+cv::Mat CameraRig::ImageOf(const CameraEvent& event) {
+  // The gain stays: what is uncovered again is not blinded by its own light.
+  if (IsCovered(event)) {
+    return cv::Mat::zeros(camera_.size.height,
+                          camera_.size.width,
+                          config_.is_gray ? CV_8UC1 : CV_8UC3);
+  }
   const cv::Mat3f light = LightOf(event);
   const auto number = static_cast<std::uint64_t>(event.frame.number);
   const cv::Mat image = config_.is_gray
@@ -81,6 +92,11 @@ CameraRig::Shot CameraRig::Expose(const CameraEvent& event) {
                             : cv::Mat(sensor_.Colour(light, number));
   sensor_.Adapt(light, last_ ? Seconds(event.frame.stamp - *last_) : 0.0);
   last_ = event.frame.stamp;
+  return image;
+}
+
+CameraRig::Shot CameraRig::Expose(const CameraEvent& event) {
+  const cv::Mat image = ImageOf(event);
   ImageTags tags;
   tags.time = event.frame.stamp;
   tags.seq = event.frame.number;

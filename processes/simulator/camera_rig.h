@@ -50,6 +50,9 @@ class CameraRig {
   [[nodiscard]] Eigen::Isometry3d CameraPose(const ExposurePose& pose) const;
   // Linear, averaged over the exposure.
   [[nodiscard]] cv::Mat3f LightOf(const CameraEvent& event) const;
+  [[nodiscard]] bool IsCovered(const CameraEvent& event) const;
+  // Through lens and sensor, 8 bits.
+  [[nodiscard]] cv::Mat ImageOf(const CameraEvent& event);
 
   SimulatedCameraConfig config_;
   const Renderer* renderer_;

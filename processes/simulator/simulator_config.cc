@@ -62,6 +62,11 @@ void SimulatedCameraConfig::Describe(Describer& d) {
             2000,
             10'000'000,
             "Of one JPEG; its quality follows");
+  d.Numbers("covered_way_m",
+            &covered_way,
+            2,
+            "From the first to the second, of the way driven, the lens is "
+            "covered: images are black; empty: never");
   d.Group(
       "head", [&] { DescribeHead(d); }, "The camera's head");
   d.Group(
@@ -262,6 +267,12 @@ void SimulatorConfig::Check() const {
     if (one->timing.exposure_s * one->timing.rate_hz > 1.0) {
       throw std::invalid_argument(
           "exposure_s of a camera must be at most 1 / rate_hz");
+    }
+    if (!one->covered_way.empty() &&
+        !(one->covered_way[0] <= one->covered_way[1])) {
+      throw std::invalid_argument(std::string(key) +
+                                  ".covered_way_m: its end must not be before "
+                                  "its beginning");
     }
     one->timing.Check();
     one->head.Check();

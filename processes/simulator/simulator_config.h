@@ -30,6 +30,7 @@ struct SimulatedCameraConfig {
   PanTiltHeadOptions head;
   ImageSensorOptions sensor;
   std::int64_t blur_samples = 1;
+  std::vector<double> covered_way;  // From, to, m; empty: never.
 
   SimulatedCameraConfig();
   void Describe(Describer& d);

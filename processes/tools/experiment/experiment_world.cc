@@ -108,6 +108,10 @@ DriveTask ExperimentTasks::Make(std::uint64_t seed) const {
   return World(own, options_).tasks.Make(seed);
 }
 
+std::string SubjectOf(const SimulatorConfig& config) {
+  return SubjectOf(config, LoadWorldFile(FindWorldFile(config.world)));
+}
+
 ObstacleMap WallsOf(const SimulatorConfig& config) {
   return WalkArea(LoadWorldFile(FindWorldFile(config.world)),
                   config.robot.height)

@@ -53,6 +53,9 @@ class ExperimentTasks {
 // and BuildScene() do.
 [[nodiscard]] ObstacleMap WallsOf(const SimulatorConfig& config);
 
+// The world's name and, of one file, a number that changes with its content.
+[[nodiscard]] std::string SubjectOf(const SimulatorConfig& config);
+
 // As config.Check(), and that a run depends on nothing but its seed, in
 // simulated time: no state file, no other pace.
 void CheckForRuns(const SimulatorConfig& config);

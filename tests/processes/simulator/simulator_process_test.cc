@@ -123,6 +123,27 @@ TEST_F(SimulatorProcessTest, ATableStopsItAndIsSeen) {
   EXPECT_NEAR(ahead(0.3), 5.0, 0.1);  // Below the top, to the wall.
 }
 
+TEST_F(SimulatorProcessTest, CoveredLensSeesBlackOnThatPartOfTheWay) {
+  config_.camera.name = "FRONT";
+  config_.camera.timing.rate_hz = 10.0;
+  config_.camera.covered_way = {0.2, 0.5};
+  SimulatorOnBus run(config_);
+  run.Drive(kStart, kStart + seconds(4), 0.25, 0.0);
+  run.bus.RunUntil(kStart + seconds(4));
+  // One letter an image: black or lit.
+  std::string seen;
+  std::string reason;
+  for (const auto& message : run.bus.Messages<image_t>("IMAGE_FRONT")) {
+    const auto image = ImageFromMessage(message, ImageColor::kGray, &reason);
+    ASSERT_TRUE(image.has_value()) << reason;
+    const bool is_black = cv::countNonZero(*image) == 0;
+    if (seen.empty() || (seen.back() == 'b') != is_black) {
+      seen += is_black ? 'b' : 'l';
+    }
+  }
+  EXPECT_EQ(seen, "lbl");
+}
+
 TEST_F(SimulatorProcessTest, ImagesCarryTheirTimeAndArriveLater) {
   config_.camera.name = "FRONT";
   config_.camera.timing.rate_hz = 10.0;

@@ -1,0 +1,90 @@
+// The tasks of the corridor system, in closed loop.
+#pragma once
+
+#include "estimation/corridor/corridor_types.h"
+#include "processes/collision_guard/collision_guard_config.h"
+#include "processes/path_follower/task_follower_config.h"
+#include "processes/pose_filter/pose_filter_config.h"
+#include "processes/simulator/simulator_config.h"
+#include "processes/tools/experiment/corridor_vision.h"
+#include "processes/tools/experiment/experiment.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace waymark {
+
+// [1, section V.B]: 1, 2 and 3, and figure 5.
+enum class CorridorTask : std::uint8_t { kTurns, kZigzag, kBlind, kLearn };
+enum class CorridorSight : std::uint8_t { kModel, kPixels };
+
+struct CorridorExperimentConfig {
+  CorridorTask task = CorridorTask::kTurns;
+  CorridorSight sight = CorridorSight::kModel;
+  std::string corridor;       // File or name; empty: the world's name.
+  double begin_m = 2.0;       // Along the axis, where the way begins,
+  double length_m = 10.0;     // how far it goes,
+  std::int64_t num_legs = 4;  // and how often: two complete turns.
+  double zigzag_m = 0.4;      // To both sides of the axis.
+  double zigzag_step_m = 2.0;
+  std::vector<double> blind_way_m{4.0, 10.0};
+  // What the filter believes at first, over what is nominal (learn).
+  double wrong_base = 0.22 / 0.27;
+  double wrong_ratio = 1.1 / 0.99;
+  double wrong_sigma = 0.2;  // That it allows for, as a share.
+  // True over nominal, drawn for each seed.
+  double wheel_spread = 0.01;
+  double base_spread = 0.02;
+  double max_error_m = 0.03;
+  double max_error_rad = RadiansFromDegrees(1.0);
+  double relocate_m = 0.25;  // Of sight, after which that holds again.
+  double max_duration_s = 600.0;
+  CorridorVisionOptions model;
+  SimulatorConfig simulator;
+  PoseFilterConfig pose_filter;
+  CollisionGuardConfig collision_guard;
+  TaskFollowerConfig path_follower;
+
+  CorridorExperimentConfig();
+  void Describe(Describer& d);
+  // Throws std::invalid_argument naming the key.
+  void Check() const;
+
+ private:
+  void DescribeWay(Describer& d);
+  void DescribeWheels(Describer& d);
+};
+
+// Success: the task is done without a touch, and lateral position and heading
+// of POSE are, all the time, within max_error of TRUTH; where the camera was
+// blind, from relocate_m of sight on. How far along the corridor the robot is
+// its lines do not say.
+//
+// [1] E. Bayramoglu et al. Mobile robot navigation in a corridor using visual
+//     odometry. ICAR 2009.
+class CorridorExperiment final : public Experiment {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "corridor"; }
+  void Describe(Describer& d) override { config_.Describe(d); }
+  void Prepare() override;
+  [[nodiscard]] std::string Subject() const override { return subject_; }
+  [[nodiscard]] RunResult Run(std::uint64_t seed,
+                              const std::string& log_path) const override;
+
+ private:
+  [[nodiscard]] std::vector<Eigen::Vector2d> Way() const;  // In L.
+  [[nodiscard]] SimulatorConfig Robot(std::uint64_t seed) const;
+  [[nodiscard]] PoseFilterConfig Filter(const SimulatorConfig& robot) const;
+  [[nodiscard]] std::optional<Eigen::Vector2d> BlindWay() const;
+
+  CorridorExperimentConfig config_;
+  CorridorGeometry corridor_;
+  std::string subject_;
+};
+
+}  // namespace waymark

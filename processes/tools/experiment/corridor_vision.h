@@ -1,0 +1,69 @@
+// Stands in for corridor_tracker: its errors, without images.
+#pragma once
+
+#include "estimation/base/random.h"
+#include "estimation/corridor/corridor_types.h"
+#include "processes/support/describer.h"
+#include "processes/support/local_bus.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace waymark {
+
+// How well corridor_tracker measures, fitted to what it said of rendered
+// images.
+struct CorridorVisionOptions {
+  double rate_hz = 15.0;
+  double latency_s = 0.08;
+  // Of y and heading: from image to image, and what stays about as it is for
+  // correlation_s.
+  double sigma_m = 0.01;
+  double sigma_rad = 0.002;
+  double slow_sigma_m = 0.0;
+  double slow_sigma_rad = 0.0;
+  double correlation_s = 5.0;
+  // What it says of its own errors, m and rad.
+  double stated_sigma_m = 0.01;
+  double stated_sigma_rad = 0.002;
+  // Of images within max_heading_rad of the axis; others have no answer.
+  double accepted_share = 0.9;
+  double max_heading_rad = 0.45;
+  // Share of answers that are wrong without knowing it, by so much.
+  double faulty_share = 0.0;
+  double faulty_sigma_m = 0.3;
+  double faulty_sigma_rad = 0.1;
+
+  void Describe(Describer& d);
+};
+
+// Sends CORRIDOR_POSE from TRUTH: each image time of it, with errors, late.
+class CorridorVision {
+ public:
+  // Nothing is seen while the robot's way is within `blind`. Both outlive this.
+  CorridorVision(const CorridorVisionOptions& options,
+                 const CorridorGeometry& corridor,
+                 const std::optional<Eigen::Vector2d>& blind_way_m,
+                 std::uint64_t seed,
+                 LocalBus* bus);
+
+ private:
+  void OnTruth(const Pose2& X_WR, Time time);
+  [[nodiscard]] CorridorEstimate EstimateAt(const Pose2& X_LR);
+  // Errors of y and heading.
+  [[nodiscard]] Eigen::Vector2d DrawError();
+
+  CorridorVisionOptions options_;
+  CorridorGeometry corridor_;
+  std::optional<Eigen::Vector2d> blind_way_m_;
+  Random random_;
+  LocalBus* bus_;
+  Eigen::Vector2d slow_ = Eigen::Vector2d::Zero();
+  bool has_slow_ = false;
+  std::optional<Pose2> last_;  // X_WR.
+  double way_m_ = 0.0;
+  Time next_;
+  std::int64_t seq_ = 0;
+};
+
+}  // namespace waymark
