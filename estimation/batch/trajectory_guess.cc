@@ -1,5 +1,6 @@
 #include "estimation/batch/trajectory_guess.h"
 
+#include "estimation/batch/partial_guess.h"
 #include "estimation/geometry/angle.h"
 
 #include <algorithm>
@@ -208,17 +209,9 @@ std::vector<Eigen::Vector3d> GuessTrajectory(
     std::span<const BatchSensorSlot> sensors,
     std::span<const double> times,
     const BatchOptions& options) {
-  std::vector<Frame> frames = FramesOf(AnchorsOf(log, sensors, options));
+  const std::vector<Frame> frames = FramesOf(AnchorsOf(log, sensors, options));
+  if (frames.empty()) return GuessFromParts(log, sensors, times, options);
   Reckoner reckoner(log.track, options);
-  if (frames.empty()) {
-    Pose2 X_WO;
-    if (log.start) {
-      Reckoner to_start(log.track, options);
-      const Pose2 X_OR = to_start.To(log.track.SecondsAt(log.start->time));
-      X_WO = log.start->X_WR * Inverse(X_OR);
-    }
-    frames.push_back({.time = 0.0, .X_WO = X_WO});
-  }
   std::vector<Eigen::Vector3d> poses;
   std::size_t frame = 0;
   for (const double time : times) {

@@ -150,6 +150,39 @@ TEST(BatchRefiner, LateralFixesInCorridorsAddToPosition) {
   EXPECT_LT(WheelError(result), kExact);
 }
 
+// A corridor's lines: y and heading in one frame, nothing along it, no start,
+// wheels assumed as far off as in Y23, and a few wild ones.
+TEST(BatchRefiner, OneCorridorTeachesWheelsAndMounting) {
+  BatchSimulationOptions drive = ExactDrive();
+  drive.X_RS = {0.1, 0.02, 0.05};
+  drive.X_RS_nominal = {0.1, 0.02, 0.0};
+  drive.time_offset_s = 0.04;
+  BatchSimulation simulation = SimulateBatch(drive, MixedDriver(0.3));
+  for (std::size_t i = 0; i < simulation.log.fixes.size(); ++i) {
+    AbsoluteFix& fix = simulation.log.fixes[i];
+    const Pose2 X_WS = Pose2::FromVector(fix.value);
+    fix.X_WF = {4.0, -2.0, 2.0};
+    fix.value = Between(fix.X_WF, X_WS).vector();
+    fix.has = {false, true, true};
+    fix.value(0) = std::numeric_limits<double>::quiet_NaN();  // Absent.
+    if (i % 40 == 7) fix.value(1) += 3.0;
+    if (i % 40 == 8) fix.value(2) += 2.0;
+  }
+  simulation.log.start.reset();
+  BatchOptions options = WideOptions();
+  options.initial = {1.1e-4, 0.92e-4, 0.22};
+  BatchSensorOptions sensor = EverySensor();
+  sensor.position = false;  // A camera's place is measured by a ruler.
+  options.sensors = {sensor};
+  const BatchResult result = Solve(simulation.log, options);
+  ASSERT_EQ(result.status, BatchStatus::kSolved) << result.reason;
+  // The wild ones are left a pull of (1 / their sigmas)^2.
+  EXPECT_LT(WheelError(result), 1e-4);
+  ASSERT_EQ(result.sensors.size(), 1u);
+  EXPECT_NEAR(result.sensors[0].X_RS.heading, 0.05, 1e-4);
+  EXPECT_NEAR(result.sensors[0].time_offset_s, 0.04, 1e-4);
+}
+
 TEST(BatchRefiner, SwappedWheelsAreFoundNotHidden) {
   BatchSimulation simulation = SimulateBatch(ExactDrive(), MixedDriver(0.3));
   for (EncoderReading& reading : simulation.log.encoders) {
