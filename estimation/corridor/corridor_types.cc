@@ -56,4 +56,12 @@ const char* NameOf(CorridorStatus status) {
   return "unknown";
 }
 
+std::optional<CorridorStatus> CorridorStatusFromName(std::string_view name) {
+  for (int i = 0; i <= static_cast<int>(CorridorStatus::kFaulty); ++i) {
+    const auto status = static_cast<CorridorStatus>(i);
+    if (name == NameOf(status)) return status;
+  }
+  return std::nullopt;
+}
+
 }  // namespace waymark

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace waymark {
@@ -64,6 +65,8 @@ enum class CorridorStatus : std::uint8_t {
 };
 // One word, for messages: "accepted", "no_lines", ...
 [[nodiscard]] const char* NameOf(CorridorStatus status);
+[[nodiscard]] std::optional<CorridorStatus> CorridorStatusFromName(
+    std::string_view name);
 
 struct CorridorLine {
   LineSegment line;  // In the image that was given.

@@ -74,6 +74,22 @@ json JsonOf(const EstimateEvaluation& estimate) {
   return result;
 }
 
+json JsonOf(const CorridorErrorSummary& errors) {
+  return {{"y", JsonOf(errors.y_m, "m")},
+          {"heading", JsonOf(errors.heading_rad, "rad")},
+          {"worst_y_sigmas", errors.worst_y_sigmas},
+          {"worst_heading_sigmas", errors.worst_heading_sigmas}};
+}
+
+json JsonOf(const std::optional<CorridorEvaluation>& corridor) {
+  if (!corridor) return nullptr;
+  return {{"num", corridor->num},
+          {"statuses", corridor->statuses},
+          {"accepted_share", corridor->accepted_share()},
+          {"seen", JsonOf(corridor->seen)},
+          {"fused", JsonOf(corridor->fused)}};
+}
+
 json ParametersJson(const Eigen::Vector3d& v) {
   return {{"k_right", v(0)}, {"k_left", v(1)}, {"wheel_base", v(2)}};
 }
@@ -124,6 +140,7 @@ json HealthJson(const LogRecording& recording) {
   for (const auto& [name, l] : recording.latency) {
     latency[name] = {{"num", l.num},
                      {"median_ms", l.median_ms},
+                     {"p95_ms", l.p95_ms},
                      {"p99_ms", l.p99_ms},
                      {"max_ms", l.max_ms}};
   }
@@ -166,6 +183,7 @@ json JsonOf(const LogEvaluation& evaluation) {
                 {"num_skipped_bytes", recording.read_report.num_skipped_bytes},
                 {"num_gaps", recording.read_report.num_gaps}}},
               {"estimates", json::array()},
+              {"corridor", JsonOf(evaluation.corridor)},
               {"parameters", json::array()},
               {"health", HealthJson(recording)},
               {"version", recording.version},

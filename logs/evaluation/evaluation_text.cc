@@ -92,12 +92,47 @@ void AppendParameters(const LogEvaluation& evaluation, std::string* text) {
   }
 }
 
+void AppendCorridor(const LogEvaluation& evaluation, std::string* text) {
+  if (!evaluation.corridor) return;
+  const CorridorEvaluation& corridor = *evaluation.corridor;
+  *text += fmt::format(
+      "  corridor: {} of {} images accepted ({})",
+      static_cast<int>(std::lround(corridor.accepted_share() * corridor.num)),
+      corridor.num,
+      PercentText(corridor.accepted_share()));
+  for (const auto& [status, num] : corridor.statuses) {
+    if (status != NameOf(CorridorStatus::kAccepted)) {
+      *text += fmt::format(", {} {}", num, status);
+    }
+  }
+  *text += "\n";
+  for (const auto& [name, errors] : {std::pair("seen", &corridor.seen),
+                                     std::pair("POSE", &corridor.fused)}) {
+    if (errors->y_m.num == 0) continue;
+    *text += fmt::format(
+        "  across it, {}: rmse {}, median {}, p95 {}, max {} ({:.1f} sigma); "
+        "heading rmse {:.2f}°, p95 {:.2f}°, max {:.2f}° ({:.1f} sigma)\n",
+        name,
+        MetresText(errors->y_m.rmse),
+        MetresText(errors->y_m.median),
+        MetresText(errors->y_m.p95),
+        MetresText(errors->y_m.max),
+        errors->worst_y_sigmas,
+        DegreesFromRadians(errors->heading_rad.rmse),
+        DegreesFromRadians(errors->heading_rad.p95),
+        DegreesFromRadians(errors->heading_rad.max),
+        errors->worst_heading_sigmas);
+  }
+}
+
 void AppendHealth(const LogRecording& recording, std::string* text) {
   for (const auto& [channel, latency] : recording.latency) {
     *text += fmt::format(
-        "  latency of {}: median {:.2f} ms, p99 {:.2f} ms, max {:.2f} ms\n",
+        "  latency of {}: median {:.2f} ms, p95 {:.2f} ms, p99 {:.2f} ms, max "
+        "{:.2f} ms\n",
         channel,
         latency.median_ms,
+        latency.p95_ms,
         latency.p99_ms,
         latency.max_ms);
   }
@@ -196,6 +231,7 @@ std::string TableOf(const LogEvaluation& evaluation) {
   }
   text += "  " + FixesText(recording) + "\n";
   AppendEstimates(evaluation, &text);
+  AppendCorridor(evaluation, &text);
   AppendParameters(evaluation, &text);
   AppendHealth(recording, &text);
   for (const std::string& note : evaluation.notes) {

@@ -259,6 +259,12 @@ LogEvaluation EvaluateRecording(LogRecording recording,
           "dead_reckoning_online", "dead reckoning, online", "online"),
       evaluator.Reckoned(
           "dead_reckoning_batch", "dead reckoning, batch", "batch")};
+  const auto* pose = PathOn(evaluation.recording, kPose);
+  evaluation.corridor = EvaluateCorridor(
+      evaluation.recording.corridor,
+      evaluation.recording.truth,
+      pose == nullptr ? std::span<const EstimatedPose>() : std::span(*pose),
+      options.association);
   EvaluateParameters(options, &evaluation);
   AddNotes(&evaluation);
   return evaluation;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "logs/evaluation/consistency.h"
+#include "logs/evaluation/corridor_evaluation.h"
 #include "logs/evaluation/dead_reckoning.h"
 #include "logs/evaluation/log_recording.h"
 #include "logs/evaluation/trajectory_error.h"
@@ -55,6 +56,7 @@ struct LogEvaluation {
   // dead_reckoning_online, dead_reckoning_batch.
   std::vector<EstimateEvaluation> estimates;
   std::vector<ParameterEvaluation> parameters;
+  std::optional<CorridorEvaluation> corridor;
   std::string parameter_reference;  // "known", "batch" or empty.
   std::vector<std::string> notes;   // What is missing, one sentence each.
 

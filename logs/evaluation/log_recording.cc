@@ -7,6 +7,7 @@
 
 #include <waymark/bot_pose_t.hpp>
 #include <waymark/config_t.hpp>
+#include <waymark/corridor_pose_t.hpp>
 #include <waymark/encoders_t.hpp>
 #include <waymark/image_t.hpp>
 #include <waymark/odometry_parameters_t.hpp>
@@ -63,6 +64,7 @@ LatencySummary SummariseLatency(std::vector<double> ms) {
   LatencySummary summary;
   summary.num = static_cast<std::int64_t>(n);
   summary.median_ms = 0.5 * (ms[(n - 1) / 2] + ms[n / 2]);
+  summary.p95_ms = ms[(95 * n + 99) / 100 - 1];  // As p99.
   summary.p99_ms = ms[(99 * n + 99) / 100 - 1];  // ceil(0.99 n)-th smallest.
   summary.max_ms = ms.back();
   return summary;
@@ -164,6 +166,7 @@ class Collector {
     if (channel == kTruth) return Take<truth_t>(event);
     if (channel == kEncoders) return Take<encoders_t>(event);
     if (channel == kPositionFix) return Take<position_fix_t>(event);
+    if (channel == kCorridorPose) return Take<corridor_pose_t>(event);
     if (channel == kRelativeMotion) return Take<relative_motion_t>(event);
     if (channel == kInitialPose) return Take<initial_pose_t>(event);
     if (channel == kOdometry || channel == kPose || channel == kPoseSettled) {
@@ -179,7 +182,9 @@ class Collector {
     if (channel.starts_with(kImagePrefix)) {
       // Others name their channels so too.
       auto image = DecodeMessage<image_t>(event.data);
-      if (image) images_[channel].Add(std::move(*image));
+      if (!image) return false;
+      image_times_[image->utime] = last_;
+      images_[channel].Add(std::move(*image));
     }
     return false;
   }
@@ -264,6 +269,27 @@ class Collector {
     return true;
   }
 
+  bool OnMessage(const LogEvent& event, const corridor_pose_t& m) {
+    CountSequence(event, m.source, m.seq);
+    std::string reason;
+    auto answer = CorridorAnswerFromMessage(m, &reason);
+    if (!answer) return false;
+    NoteLatency(event.channel, m.utime, image_times_);
+    recording_.corridor.push_back(std::move(*answer));
+    return true;
+  }
+
+  // Of an output, whose input came at one of `times`.
+  void NoteLatency(const std::string& channel,
+                   std::int64_t utime,
+                   const std::map<std::int64_t, Time>& times) {
+    const auto input = times.find(utime);
+    if (input == times.end()) return;
+    // Microseconds to milliseconds.
+    latencies_[channel].push_back(
+        static_cast<double>((last_ - input->second).count()) * 1e-3);
+  }
+
   bool OnMessage(const LogEvent& event, const relative_motion_t& m) {
     CountSequence(event, m.source, m.seq);
     std::string reason;
@@ -285,12 +311,7 @@ class Collector {
 
   bool OnMessage(const LogEvent& event, const pose_t& m) {
     CountSequence(event, "", m.seq);
-    if (const auto input = input_times_.find(m.utime);
-        input != input_times_.end()) {
-      // Microseconds to milliseconds.
-      latencies_[event.channel].push_back(
-          static_cast<double>((last_ - input->second).count()) * 1e-3);
-    }
+    NoteLatency(event.channel, m.utime, input_times_);
     if (m.is_known == 0) {
       ++recording_.num_unknown_poses[event.channel];
       return true;
@@ -377,7 +398,8 @@ class Collector {
   std::map<std::pair<std::string, std::string>, std::int64_t> sequences_;
   // Key: process, fault without its numbers. Where it is in its faults.
   std::map<std::pair<std::string, std::string>, std::size_t> fault_kinds_;
-  std::map<std::int64_t, Time> input_times_;              // utime to log time.
+  std::map<std::int64_t, Time> input_times_;  // utime to log time.
+  std::map<std::int64_t, Time> image_times_;
   std::map<std::string, std::vector<double>> latencies_;  // ms.
 };
 

@@ -5,6 +5,7 @@
 #include "estimation/filter/measurement_types.h"
 #include "logs/evaluation/dead_reckoning.h"
 #include "logs/evaluation/trajectory_types.h"
+#include "processes/convert/corridor_convert.h"
 #include "processes/convert/image_convert.h"
 #include "processes/support/log_file.h"
 
@@ -31,6 +32,7 @@ struct ChannelHealth {
 struct LatencySummary {
   std::int64_t num = 0;
   double median_ms = 0.0;
+  double p95_ms = 0.0;
   double p99_ms = 0.0;
   double max_ms = 0.0;
 };
@@ -72,6 +74,7 @@ struct LogRecording {
   bool has_virtual_ticks = false;
   std::vector<AbsoluteFix> fixes;
   std::optional<InitialPose> initial_pose;
+  std::vector<CorridorAnswer> corridor;  // In order of the log.
   std::vector<RelativeMotion> relative_motions;
 
   // Keys: ODOMETRY (X_OR), POSE, POSE_SETTLED. Known poses only.

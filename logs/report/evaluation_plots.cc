@@ -162,6 +162,34 @@ Plot PositionErrorPlot(const LogEvaluation& evaluation) {
   return plot;
 }
 
+Plot CorridorPlot(const LogEvaluation& evaluation) {
+  Plot plot;
+  plot.title = "Across the corridor";
+  plot.x_label = "time, s";
+  plot.y_label = "left of the middle, m";
+  const Time start = StartOf(evaluation);
+  using Style = PlotSeries::Style;
+  PlotSeries truth{"reference", "truth", Style::kLine, {}, {}};
+  PlotSeries seen{"seen", "raw", Style::kDots, {}, {}};
+  PlotSeries refused{"seen, not believed", "batch", Style::kDots, {}, {}};
+  PlotSeries fused{"POSE", "online", Style::kLine, {}, {}};
+  for (const CorridorSight& sight : evaluation.corridor->sights) {
+    const double t = Seconds(sight.time - start);
+    const auto point = [&](const std::optional<double>& y) {
+      return y ? PlotPoint{t, *y} : PlotPoint{kBreak, kBreak};
+    };
+    truth.points.push_back(point(sight.true_y));
+    fused.points.push_back(point(sight.fused_y));
+    if (!sight.y) continue;
+    const bool is_accepted = sight.status == CorridorStatus::kAccepted;
+    (is_accepted ? seen : refused).points.push_back({t, *sight.y});
+  }
+  for (PlotSeries* series : {&seen, &refused, &truth, &fused}) {
+    if (!series->points.empty()) plot.series.push_back(std::move(*series));
+  }
+  return plot;
+}
+
 Plot HeadingErrorPlot(const LogEvaluation& evaluation) {
   Plot plot;
   plot.title = "Heading error";

@@ -12,6 +12,9 @@ namespace waymark {
 [[nodiscard]] Plot PositionErrorPlot(const LogEvaluation& evaluation);
 [[nodiscard]] Plot HeadingErrorPlot(const LogEvaluation& evaluation);
 [[nodiscard]] Plot NeesPlot(const LogEvaluation& evaluation);
+// Lateral position in the corridor over time: true, believed, seen. Only where
+// the log has CORRIDOR_POSE.
+[[nodiscard]] Plot CorridorPlot(const LogEvaluation& evaluation);
 // k_right, k_left, wheel base over time with bands of two sigma.
 [[nodiscard]] std::vector<Plot> ParameterPlots(const LogEvaluation& evaluation);
 

@@ -368,6 +368,10 @@ std::string Section(const LogEvaluation& evaluation, std::size_t index) {
     text += FigureOf(HeadingErrorPlot(evaluation));
   }
   text += FigureOf(NeesPlot(evaluation)) + "</div>\n";
+  if (evaluation.corridor) {
+    text += "<div class=\"plots\">\n" + FigureOf(CorridorPlot(evaluation)) +
+            "</div>\n";
+  }
   text += PicturesOf(recording);
   text += ParametersTable(evaluation);
   if (!evaluation.parameters.empty()) {

@@ -1,5 +1,6 @@
 #include "processes/convert/corridor_convert.h"
 
+#include "estimation/geometry/angle.h"
 #include "processes/convert/message_check.h"
 #include "processes/convert/odometry_convert.h"
 
@@ -33,6 +34,10 @@ std::vector<corridor_line_t> MessagesOfLines(
     messages.push_back(message);
   }
   return messages;
+}
+
+Pose2 PoseFrom(const double (&v)[3]) {
+  return {v[0], v[1], WrapAngle(v[2])};
 }
 
 void CopyPose(const Pose2& X, double (&v)[3]) {
@@ -132,6 +137,52 @@ std::optional<AbsoluteFix> CorridorFixFromMessage(
   std::optional<AbsoluteFix> fix = AbsoluteFixFromMessage(robot, reason);
   if (fix) MoveToSensor(&*fix);
   return fix;
+}
+
+std::optional<CorridorAnswer> CorridorAnswerFromMessage(
+    const corridor_pose_t& message, std::string* reason) {
+  if (!CorridorFixFromMessage(message, reason)) return std::nullopt;
+  CorridorAnswer answer;
+  answer.time = TimeFromMicroseconds(message.utime);
+  answer.seq = message.seq;
+  answer.source = message.source;
+  answer.corridor = message.corridor;
+  answer.X_WL = PoseFrom(message.corridor_W);
+  answer.X_RS = PoseFrom(message.sensor_R);
+  CorridorEstimate& estimate = answer.estimate;
+  const auto status = CorridorStatusFromName(message.status);
+  if (!status) {
+    Refuse(reason, "status: ", message.status, " is none");
+    return std::nullopt;
+  }
+  estimate.status = *status;
+  estimate.reason = message.reason;
+  if (message.has_heading != 0) {
+    estimate.heading = WrapAngle(message.heading_L);
+  }
+  if (message.has_y != 0) estimate.y = message.y_L;
+  for (int i = 0; i < 4; ++i) {
+    estimate.covariance(i / 2, i % 2) = message.covariance[i];
+  }
+  estimate.p_regular = message.p_regular;
+  if (message.has_vanishing_point != 0) {
+    estimate.vanishing_point =
+        Eigen::Vector2d(message.vanishing_point[0], message.vanishing_point[1]);
+  }
+  for (const corridor_line_t& sent : message.lines) {
+    CorridorLine line;
+    line.line.a = {sent.ax, sent.ay};
+    line.line.b = {sent.bx, sent.by};
+    if (!line.line.a.allFinite() || !line.line.b.allFinite() || sent.edge < 0 ||
+        sent.edge > static_cast<int>(CorridorEdge::kAlong)) {
+      Refuse(reason, "lines: ends must be finite, edge in 0 to 7");
+      return std::nullopt;
+    }
+    line.edge = static_cast<CorridorEdge>(sent.edge);
+    line.is_used = sent.is_used != 0;
+    estimate.lines.push_back(line);
+  }
+  return answer;
 }
 
 }  // namespace waymark

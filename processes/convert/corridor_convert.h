@@ -29,6 +29,14 @@ struct CorridorAnswer {
 // fit into one datagram of LCM.
 [[nodiscard]] corridor_pose_t ToMessage(const CorridorAnswer& answer);
 
+// What ToMessage() was given, as far as it was sent: errors of lines are not.
+//
+// Returns nullopt and sets *reason where CorridorFixFromMessage() does, or the
+// status is none, a line's ends are not finite, or it is of no known edge.
+// `reason` must not be null.
+[[nodiscard]] std::optional<CorridorAnswer> CorridorAnswerFromMessage(
+    const corridor_pose_t& message, std::string* reason);
+
 // The message as a measurement of the camera's pose X_LS: heading, and y where
 // it has one, with the camera's mounting beside it, so that who calibrates
 // mountings can. Its source is "corridor <camera>". A message without a heading

@@ -113,6 +113,32 @@ TEST(CorridorConvert, LinesAlongTheCorridorComeFirst) {
   EXPECT_LT(message.getEncodedSize(), 60000);
 }
 
+TEST(CorridorConvert, AnswersComeBack) {
+  const CorridorAnswer answer = Answer();
+  std::string reason;
+  const auto back = CorridorAnswerFromMessage(ToMessage(answer), &reason);
+  ASSERT_TRUE(back) << reason;
+  EXPECT_EQ(back->time, answer.time);
+  EXPECT_EQ(back->source, answer.source);
+  EXPECT_EQ(back->corridor, answer.corridor);
+  EXPECT_EQ(back->X_WL, answer.X_WL);
+  EXPECT_EQ(back->X_RS, answer.X_RS);
+  EXPECT_EQ(back->estimate.status, answer.estimate.status);
+  EXPECT_EQ(back->estimate.y, answer.estimate.y);
+  EXPECT_EQ(back->estimate.heading, answer.estimate.heading);
+  EXPECT_EQ(back->estimate.covariance, answer.estimate.covariance);
+  EXPECT_EQ(back->estimate.vanishing_point, answer.estimate.vanishing_point);
+  ASSERT_EQ(back->estimate.lines.size(), 2u);
+  EXPECT_EQ(back->estimate.lines[0].edge, CorridorEdge::kFloorRight);
+  EXPECT_TRUE(back->estimate.lines[0].is_used);
+  corridor_pose_t message = ToMessage(answer);
+  message.status = "fine";
+  EXPECT_FALSE(CorridorAnswerFromMessage(message, &reason));
+  message = ToMessage(answer);
+  message.lines[0].edge = 8;
+  EXPECT_FALSE(CorridorAnswerFromMessage(message, &reason));
+}
+
 TEST(CorridorConvert, RefusesWhatCannotBe) {
   const auto refused = [](auto change) {
     corridor_pose_t message = ToMessage(Answer());
