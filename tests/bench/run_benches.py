@@ -1,11 +1,12 @@
 """Runs the benchmark executables of a folder and merges their JSON rows.
 
-usage: run_benches.py FOLDER [ID|AREA...] [--full] [--json FILE]
+usage: run_benches.py FOLDER [ID|AREA|SYSTEM...] [--full] [--json FILE]
 
 Each executable <area>_bench takes [ID...] [--full] [--json FILE], prints its
 own table and writes a list of rows; --list prints its IDs. An AREA runs all
 rows of one executable, and of those whose names begin with it and a _; an ID
-(as in Y23) the rows of that id wherever they are.
+(as in Y23) the rows of that id wherever they are; a SYSTEM (as in Y) those of
+all its ids.
 """
 
 import argparse
@@ -32,6 +33,15 @@ def ids_of(program):
 def is_of(area, wanted):
     """Whether `wanted` asks for an area: simulator for simulator_drives."""
     return area == wanted or area.startswith(wanted + "_")
+
+
+def is_id(name, wanted):
+    """Whether `wanted` asks for an ID: itself, Y for Y23, Y4 for Y4-grey."""
+    return name == wanted or (
+        name.startswith(wanted)
+        and (name[len(wanted)] == "-" or
+             (len(wanted) == 1 and name[1].isdigit()))
+    )
 
 
 def rows_of(program, ids, full, path):
@@ -61,7 +71,9 @@ def main():
     known = {area: ids_of(program) for area, program in programs.items()}
     for wanted in arguments.ids:
         is_known = any(is_of(area, wanted) for area in known)
-        if not is_known and not any(wanted in k for k in known.values()):
+        if not is_known and not any(
+            is_id(name, wanted) for names in known.values() for name in names
+        ):
             everything = [
                 f"{area} ({', '.join(ids)})" for area, ids in known.items()
             ]
@@ -72,7 +84,11 @@ def main():
     rows, failed = [], []
     with tempfile.TemporaryDirectory() as scratch:
         for area, program in programs.items():
-            ids = [i for i in arguments.ids if i in known[area]]
+            ids = [
+                name
+                for name in known[area]
+                if any(is_id(name, wanted) for wanted in arguments.ids)
+            ]
             is_whole = any(is_of(area, wanted) for wanted in arguments.ids)
             if is_whole or not arguments.ids:
                 ids = []

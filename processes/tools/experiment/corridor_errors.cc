@@ -75,6 +75,12 @@ CorridorErrors::CorridorErrors(
         const auto estimate = PoseEstimateFromMessage(message, &reason);
         if (estimate && estimate->is_known) OnPose(*estimate);
       });
+  bus->bus()->Subscribe<pose_t>(
+      kOdometry, Keep::All(), [this](const pose_t& message, Time) {
+        std::string reason;
+        const auto reckoned = PoseEstimateFromMessage(message, &reason);
+        if (reckoned && reckoned->is_known) OnReckoned(*reckoned);
+      });
   bus->bus()->Subscribe<odometry_parameters_t>(
       kOdometryParameters,
       Keep::All(),
@@ -85,6 +91,14 @@ CorridorErrors::CorridorErrors(
           learned_.push_back(*values);
         }
       });
+}
+
+void CorridorErrors::OnReckoned(const PoseEstimate& reckoned) {
+  if (!X_WR_ || reckoned.time != truth_time_) return;
+  if (!X_WO_) X_WO_ = *X_WR_ * Inverse(reckoned.X_WR);
+  const double error =
+      Between(X_WL_, *X_WO_ * reckoned.X_WR).y - Between(X_WL_, *X_WR_).y;
+  reckoned_m_ = std::max(reckoned_m_, std::abs(error));
 }
 
 void CorridorErrors::OnPose(const PoseEstimate& estimate) {

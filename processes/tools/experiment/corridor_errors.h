@@ -15,7 +15,7 @@
 
 namespace waymark {
 
-// Listens to TRUTH, POSE and ODOMETRY_PARAMETERS.
+// Listens to TRUTH, POSE, ODOMETRY and ODOMETRY_PARAMETERS.
 class CorridorErrors {
  public:
   struct Errors {
@@ -41,6 +41,8 @@ class CorridorErrors {
   [[nodiscard]] const Errors& blind() const { return blind_; }
   // Largest distance of the true robot from the axis, m.
   [[nodiscard]] double max_offset_m() const { return max_offset_m_; }
+  // Largest lateral error of dead reckoning from the true start, m.
+  [[nodiscard]] double reckoned_m() const { return reckoned_m_; }
   // Of sight, until y was within 3 cm for good; 0 without a blind stretch.
   [[nodiscard]] double relocated_m() const { return relocated_m_; }
   // The newest that pose_filter learned, and all of them with their times.
@@ -50,6 +52,7 @@ class CorridorErrors {
 
  private:
   void OnPose(const PoseEstimate& estimate);
+  void OnReckoned(const PoseEstimate& reckoned);
 
   Pose2 X_WL_;
   std::optional<Eigen::Vector2d> blind_way_m_;
@@ -61,6 +64,8 @@ class CorridorErrors {
   Errors blind_;
   double max_offset_m_ = 0.0;
   double relocated_m_ = 0.0;
+  double reckoned_m_ = 0.0;
+  std::optional<Pose2> X_WO_;
   std::vector<OdometryParameters> learned_;
 };
 

@@ -71,6 +71,9 @@ CorridorExperimentConfig::CorridorExperimentConfig() {
   simulator.world = "corridor_plain";
   simulator.ranges = RangeKind::kLidar;
   simulator.second_camera.name.clear();
+  // Twice what the true wheels differ by.
+  pose_filter.nominal_sigma = {
+      2.0 * wheel_spread, 2.0 * wheel_spread, 2.0 * base_spread};
 }
 
 void CorridorExperimentConfig::Describe(Describer& d) {
@@ -316,6 +319,7 @@ RunResult CorridorExperiment::Run(std::uint64_t seed,
       {"blind_max_y_m", errors.blind().max_y_m},
       {"max_offset_m", errors.max_offset_m()},
       {"relocated_m", errors.relocated_m()},
+      {"reckoned_max_y_m", errors.reckoned_m()},
       {"ratio_error", learned.ratio_error},
       {"base_error", learned.base_error},
       {"ratio_sigmas", learned.ratio_sigmas},

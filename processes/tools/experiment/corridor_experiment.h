@@ -37,9 +37,10 @@ struct CorridorExperimentConfig {
   double wrong_base = 0.22 / 0.27;
   double wrong_ratio = 1.1 / 0.99;
   double wrong_sigma = 0.2;  // That it allows for, as a share.
-  // True over nominal, drawn for each seed.
-  double wheel_spread = 0.01;
-  double base_spread = 0.02;
+  // True over nominal, drawn for each seed: wheels as well known as the task
+  // `learn` leaves them.
+  double wheel_spread = 0.002;
+  double base_spread = 0.002;
   double max_error_m = 0.03;
   double max_error_rad = RadiansFromDegrees(1.0);
   double relocate_m = 0.25;  // Of sight, after which that holds again.
