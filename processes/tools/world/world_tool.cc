@@ -9,32 +9,24 @@
 #include "estimation/geometry/pose3.h"
 #include "processes/convert/camera_file.h"
 #include "processes/convert/world_file.h"
-#include "processes/support/channels.h"
-#include "processes/support/decode.h"
-#include "processes/support/log_file.h"
 #include "processes/support/output_file.h"
 #include "processes/support/progress.h"
 #include "processes/support/run_tool.h"
 #include "processes/tools/world/plan_drawing.h"
+#include "processes/tools/world/plan_paths.h"
 #include "processes/tools/world/world_check.h"
-
-#include <waymark/pose_t.hpp>
-#include <waymark/truth_t.hpp>
+#include "processes/tools/world/world_pictures.h"
 
 #include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,85 +50,11 @@ struct Request {
   int threads = 1;
   bool force = false;
   bool is_verbose = false;
+
+  [[nodiscard]] IfExists if_exists() const {
+    return force ? IfExists::kReplace : IfExists::kFail;
+  }
 };
-
-std::string Extension(const std::string& path) {
-  return std::filesystem::path(path).extension().string();
-}
-
-void CheckImageOutput(const Request& request,
-                      const std::string& path,
-                      const std::string& option,
-                      bool is_exact) {
-  if (path.empty()) return;
-  const std::string extension = Extension(path);
-  if (extension != ".png" && (is_exact || extension != ".jpg")) {
-    throw InputError(option + " " + path + ": must end in .png" +
-                     (is_exact ? "" : " or .jpg"));
-  }
-  CheckOutput(path, request.force ? IfExists::kReplace : IfExists::kFail, {});
-}
-
-void WriteImage(const std::string& path,
-                const cv::Mat& image,
-                const Request& request) {
-  std::vector<std::uint8_t> bytes;
-  const std::vector<int> parameters =
-      Extension(path) == ".jpg"
-          ? std::vector<int>{cv::IMWRITE_JPEG_QUALITY, 88}
-          : std::vector<int>{cv::IMWRITE_PNG_COMPRESSION, 6};
-  cv::imencode(Extension(path), image, bytes, parameters);
-  OutputFile file(path, request.force ? IfExists::kReplace : IfExists::kFail);
-  file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  file.Close();
-}
-
-// Millimetres in 16 bits; 0: nothing met, 65535: so far or farther.
-cv::Mat1w DepthImage(const cv::Mat1f& depth) {
-  cv::Mat1w image;
-  depth.convertTo(image, CV_16U, 1000.0);
-  return image;
-}
-
-// A colour for each surface that tells neighbours apart.
-cv::Mat3b SurfaceImage(const cv::Mat1i& surface) {
-  cv::Mat3b image(surface.size());
-  for (int y = 0; y < surface.rows; ++y) {
-    for (int x = 0; x < surface.cols; ++x) {
-      const auto id = static_cast<std::uint32_t>(surface(y, x) + 1);
-      const std::uint32_t mixed = id * 2654435761u;
-      image(y, x) = id == 0 ? cv::Vec3b(0, 0, 0)
-                            : cv::Vec3b(static_cast<std::uint8_t>(mixed >> 24),
-                                        static_cast<std::uint8_t>(mixed >> 16),
-                                        static_cast<std::uint8_t>(mixed >> 8));
-    }
-  }
-  return image;
-}
-
-// Their lines over the picture, which is faded.
-cv::Mat3b EdgeImage(const cv::Mat3b& image,
-                    const std::vector<VisibleEdge>& edges) {
-  cv::Mat3b drawn;
-  image.convertTo(drawn, CV_8U, 0.5, 96.0);
-  constexpr int kShift = 4;  // Bits of a fraction of a pixel.
-  const auto fixed = [](const Eigen::Vector2d& p) {
-    return cv::Point(static_cast<int>(std::lround(p.x() * (1 << kShift))),
-                     static_cast<int>(std::lround(p.y() * (1 << kShift))));
-  };
-  for (const VisibleEdge& edge : edges) {
-    for (std::size_t i = 1; i < edge.pixels.size(); ++i) {
-      cv::line(drawn,
-               fixed(edge.pixels[i - 1]),
-               fixed(edge.pixels[i]),
-               {40, 30, 200},
-               1,
-               cv::LINE_AA,
-               kShift);
-    }
-  }
-  return drawn;
-}
 
 Pose2 PoseOf(const Request& request, const World& world) {
   if (request.pose.empty()) {
@@ -172,10 +90,10 @@ void CheckDifferent(const Request& request) {
 }
 
 void Render(const Request& request) {
-  CheckImageOutput(request, request.out, "--out", false);
-  CheckImageOutput(request, request.depth, "--depth", true);
-  CheckImageOutput(request, request.surfaces, "--surfaces", true);
-  CheckImageOutput(request, request.edges, "--edges", false);
+  CheckImageOutput(request.out, "--out", false, request.if_exists());
+  CheckImageOutput(request.depth, "--depth", true, request.if_exists());
+  CheckImageOutput(request.surfaces, "--surfaces", true, request.if_exists());
+  CheckImageOutput(request.edges, "--edges", false, request.if_exists());
   CheckDifferent(request);
   const CameraDescription camera =
       LoadCameraFile(FindCameraFile(request.camera));
@@ -197,62 +115,20 @@ void Render(const Request& request) {
   const CameraView camera_view{camera.model, camera.size};
   const Eigen::Isometry3d X_WC = SpatialPose(X_WR) * camera.X_RC;
   const RenderedView view = renderer.Render(camera_view, X_WC, X_WP, options);
-  WriteImage(request.out, view.image, request);
+  WriteImage(request.out, view.image, request.if_exists());
   if (options.depth) {
-    WriteImage(request.depth, DepthImage(view.depth), request);
+    WriteImage(request.depth, DepthImage(view.depth), request.if_exists());
   }
   if (options.surface) {
-    WriteImage(request.surfaces, SurfaceImage(view.surface), request);
+    WriteImage(
+        request.surfaces, SurfaceImage(view.surface), request.if_exists());
   }
   if (!request.edges.empty()) {
     const auto edges =
         SceneEdges(scene).Find(renderer.caster(), camera_view, X_WC, X_WP);
-    WriteImage(request.edges, EdgeImage(view.image, edges), request);
+    WriteImage(
+        request.edges, EdgeImage(view.image, edges), request.if_exists());
   }
-}
-
-// Lost or unknown poses make no gap. ODOMETRY knows only how it moved since its
-// first message: it begins where the robot was then, by TRUTH or else by POSE.
-std::vector<PlanPath> PathsOf(const std::string& log) {
-  PlanPath truth{PlanPath::Kind::kDriven, {}};
-  PlanPath odometry{PlanPath::Kind::kDeadReckoning, {}};
-  PlanPath estimate{PlanPath::Kind::kBelieved, {}};
-  std::vector<Pose2> X_OR;
-  std::optional<Pose2> first_truth;
-  std::optional<Pose2> first_estimate;
-  LogReader reader(log);
-  while (const auto event = reader.Next()) {
-    if (event->channel == kTruth) {
-      const auto message = DecodeMessage<truth_t>(event->data);
-      if (!message) continue;
-      truth.points.emplace_back(message->x, message->y);
-      if (!first_truth && message->has_heading != 0) {
-        first_truth = Pose2{message->x, message->y, message->heading};
-      }
-    } else if (event->channel == kPose || event->channel == kOdometry) {
-      const auto message = DecodeMessage<pose_t>(event->data);
-      if (!message || message->is_known == 0) continue;
-      const Pose2 pose = Pose2::FromVector(
-          {message->pose_W[0], message->pose_W[1], message->pose_W[2]});
-      if (event->channel == kOdometry) {
-        X_OR.push_back(pose);
-        continue;
-      }
-      estimate.points.push_back(pose.position());
-      if (!first_estimate) first_estimate = pose;
-    }
-  }
-  if (truth.points.empty() && estimate.points.empty()) {
-    throw InputError(log + ": has neither TRUTH nor POSE");
-  }
-  const auto start = first_truth ? first_truth : first_estimate;
-  if (start && !X_OR.empty()) {
-    const Pose2 X_WO = *start * Inverse(X_OR.front());
-    for (const Pose2& pose : X_OR) {
-      odometry.points.push_back((X_WO * pose).position());
-    }
-  }
-  return {truth, odometry, estimate};
 }
 
 std::string Degrees(double heading) {
@@ -320,13 +196,15 @@ void List() {
 }
 
 void Plan(const Request& request) {
-  CheckImageOutput(request, request.out, "--out", false);
+  CheckImageOutput(request.out, "--out", false, request.if_exists());
   const World world = LoadWorldFile(FindWorldFile(request.world));
   PlanOptions options;
   options.pixels = request.pixels;
   options.seconds = request.seconds;
   if (!request.log.empty()) options.paths = PathsOf(request.log);
-  WriteImage(request.out, DrawPlan(world, BuildScene(world), options), request);
+  WriteImage(request.out,
+             DrawPlan(world, BuildScene(world), options),
+             request.if_exists());
 }
 
 // One line for each start and place; returns whether all is well.
