@@ -1,0 +1,198 @@
+// The compiler vectorises these loops (see CMakeLists.txt): sixteen pixels at a
+// time with AVX2, eight without. Integers alone, so both are equal.
+#include "estimation/lines/edge_rows.h"
+
+#if defined(__x86_64__)
+#define WAYMARK_WIDE_ROWS __attribute__((target("avx2")))
+#endif
+
+namespace waymark {
+namespace {
+
+using std::int16_t;
+using std::uint16_t;
+using std::uint8_t;
+
+#define WAYMARK_INLINE inline __attribute__((always_inline))
+
+// At most 16 * 255.
+WAYMARK_INLINE void SmoothDown(const uint8_t* const rows[5],
+                               int n,
+                               uint16_t* __restrict out) {
+  const uint8_t* __restrict r0 = rows[0];
+  const uint8_t* __restrict r1 = rows[1];
+  const uint8_t* __restrict r2 = rows[2];
+  const uint8_t* __restrict r3 = rows[3];
+  const uint8_t* __restrict r4 = rows[4];
+  for (int x = 0; x < n; ++x) {
+    const auto outer = static_cast<uint16_t>(r0[x] + r4[x]);
+    const auto inner = static_cast<uint16_t>(r1[x] + r3[x]);
+    out[x] = static_cast<uint16_t>(outer + 4 * inner + 6 * r2[x]);
+  }
+}
+
+// 256 * 255 + 8 is below 2^16.
+WAYMARK_INLINE void SmoothAlong(const uint16_t* __restrict in,
+                                int n,
+                                int16_t* __restrict out) {
+  for (int x = 0; x < n; ++x) {
+    const auto outer = static_cast<uint16_t>(in[x - 2] + in[x + 2]);
+    const auto inner = static_cast<uint16_t>(in[x - 1] + in[x + 1]);
+    const auto sum = static_cast<uint16_t>(outer + 4 * inner + 6 * in[x] + 8);
+    out[x] = static_cast<int16_t>(sum >> 4);
+  }
+}
+
+// At most 4 * 4080 each, so the sum of both fits.
+WAYMARK_INLINE void Differentiate(const int16_t* const rows[3],
+                                  int n,
+                                  const GradientRow& row) {
+  const int16_t* __restrict a = rows[0];
+  const int16_t* __restrict m = rows[1];
+  const int16_t* __restrict b = rows[2];
+  int16_t* __restrict out_x = row.dx;
+  int16_t* __restrict out_y = row.dy;
+  int16_t* __restrict out_m = row.magnitude;
+  for (int x = 0; x < n; ++x) {
+    const auto dx = static_cast<int16_t>(
+        a[x + 1] - a[x - 1] + 2 * (m[x + 1] - m[x - 1]) + b[x + 1] - b[x - 1]);
+    const auto dy = static_cast<int16_t>(
+        b[x - 1] - a[x - 1] + 2 * (b[x] - a[x]) + b[x + 1] - a[x + 1]);
+    const auto ax = static_cast<int16_t>(dx < 0 ? -dx : dx);
+    const auto ay = static_cast<int16_t>(dy < 0 ? -dy : dy);
+    out_x[x] = dx;
+    out_y[x] = dy;
+    out_m[x] = static_cast<int16_t>(ax + ay);
+  }
+}
+
+// Of two equal neighbours one survives: the one below or on the right.
+WAYMARK_INLINE uint8_t
+Mark(int16_t m, int16_t before, int16_t after, int16_t low, int16_t high) {
+  const int16_t least = before > low ? before : low;
+  const int keep = (m > least) & (m >= after);
+  return static_cast<uint8_t>(keep ? (m > high ? 3 : 1) : 0);
+}
+
+WAYMARK_INLINE void SuppressTwoAxes(const SuppressionRow& row,
+                                    int n,
+                                    uint8_t* __restrict marks) {
+  const int16_t* __restrict up = row.above;
+  const int16_t* __restrict mid = row.middle;
+  const int16_t* __restrict down = row.below;
+  const int16_t* __restrict gx = row.dx;
+  const int16_t* __restrict gy = row.dy;
+  const int16_t low = row.low;
+  const int16_t high = row.high;
+  for (int x = 0; x < n; ++x) {
+    const auto ax = static_cast<int16_t>(gx[x] < 0 ? -gx[x] : gx[x]);
+    const auto ay = static_cast<int16_t>(gy[x] < 0 ? -gy[x] : gy[x]);
+    const int16_t left = mid[x - 1];
+    const int16_t right = mid[x + 1];
+    const int16_t over = up[x];
+    const int16_t under = down[x];
+    const int16_t before = ax >= ay ? left : over;
+    const int16_t after = ax >= ay ? right : under;
+    marks[x] = Mark(mid[x], before, after, low, high);
+  }
+}
+
+WAYMARK_INLINE void SuppressFourDirections(const SuppressionRow& row,
+                                           int n,
+                                           uint8_t* __restrict marks) {
+  const int16_t* __restrict up = row.above;
+  const int16_t* __restrict mid = row.middle;
+  const int16_t* __restrict down = row.below;
+  const int16_t* __restrict gx = row.dx;
+  const int16_t* __restrict gy = row.dy;
+  const int16_t low = row.low;
+  const int16_t high = row.high;
+  for (int x = 0; x < n; ++x) {
+    const int ax = gx[x] < 0 ? -gx[x] : gx[x];
+    const int ay = gy[x] < 0 ? -gy[x] : gy[x];
+    // tan(22.5 degrees) is 106 / 256.
+    const bool is_along = 256 * ay < 106 * ax;
+    const bool is_down = 256 * ax < 106 * ay;
+    const bool is_falling = (gx[x] ^ gy[x]) >= 0;  // Right and down.
+    const int16_t left = mid[x - 1];
+    const int16_t right = mid[x + 1];
+    const int16_t over = up[x];
+    const int16_t under = down[x];
+    const int16_t first = is_falling ? up[x - 1] : up[x + 1];
+    const int16_t second = is_falling ? down[x + 1] : down[x - 1];
+    const int16_t before = is_along ? left : is_down ? over : first;
+    const int16_t after = is_along ? right : is_down ? under : second;
+    marks[x] = Mark(mid[x], before, after, low, high);
+  }
+}
+
+constexpr EdgeRowLoops kPortable{
+    [](const uint8_t* const rows[5], int n, uint16_t* out) {
+      SmoothDown(rows, n, out);
+    },
+    [](const uint16_t* in, int n, int16_t* out) { SmoothAlong(in, n, out); },
+    [](const int16_t* const rows[3], int n, const GradientRow& out) {
+      Differentiate(rows, n, out);
+    },
+    [](const SuppressionRow& row, int n, uint8_t* marks) {
+      SuppressTwoAxes(row, n, marks);
+    },
+    [](const SuppressionRow& row, int n, uint8_t* marks) {
+      SuppressFourDirections(row, n, marks);
+    }};
+
+#if defined(WAYMARK_WIDE_ROWS)
+WAYMARK_WIDE_ROWS void WideSmoothDown(const uint8_t* const rows[5],
+                                      int n,
+                                      uint16_t* out) {
+  SmoothDown(rows, n, out);
+}
+WAYMARK_WIDE_ROWS void WideSmoothAlong(const uint16_t* in,
+                                       int n,
+                                       int16_t* out) {
+  SmoothAlong(in, n, out);
+}
+WAYMARK_WIDE_ROWS void WideDifferentiate(const int16_t* const rows[3],
+                                         int n,
+                                         const GradientRow& out) {
+  Differentiate(rows, n, out);
+}
+WAYMARK_WIDE_ROWS void WideTwoAxes(const SuppressionRow& row,
+                                   int n,
+                                   uint8_t* marks) {
+  SuppressTwoAxes(row, n, marks);
+}
+WAYMARK_WIDE_ROWS void WideFourDirections(const SuppressionRow& row,
+                                          int n,
+                                          uint8_t* marks) {
+  SuppressFourDirections(row, n, marks);
+}
+constexpr EdgeRowLoops kWide{WideSmoothDown,
+                             WideSmoothAlong,
+                             WideDifferentiate,
+                             WideTwoAxes,
+                             WideFourDirections};
+#endif
+
+}  // namespace
+
+bool HasWideEdgeRows() {
+#if defined(WAYMARK_WIDE_ROWS)
+  return __builtin_cpu_supports("avx2") != 0;
+#else
+  return false;
+#endif
+}
+
+const EdgeRowLoops& PortableEdgeRowLoops() {
+  return kPortable;
+}
+
+const EdgeRowLoops& WideEdgeRowLoops() {
+#if defined(WAYMARK_WIDE_ROWS)
+  if (HasWideEdgeRows()) return kWide;
+#endif
+  return kPortable;
+}
+
+}  // namespace waymark

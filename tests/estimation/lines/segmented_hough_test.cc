@@ -1,0 +1,187 @@
+#include "estimation/lines/segmented_hough.h"
+
+#include "estimation/base/random.h"
+#include "estimation/lines/segment_merger.h"
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+constexpr HoughForm kForms[] = {HoughForm::kLiteral, HoughForm::kWords};
+
+SegmentedHough FinderOf(HoughForm form) {
+  SegmentedHoughOptions options;
+  options.form = form;
+  return SegmentedHough(options);
+}
+
+LineParts PartsOf(const cv::Mat1b& map, HoughForm form) {
+  EdgeImage edges;
+  SetEdgeBits(map, &edges);
+  LineParts parts;
+  FinderOf(form).Find(edges, &parts);
+  return parts;
+}
+
+LineSet SegmentsOf(const cv::Mat1b& map, HoughForm form) {
+  return SegmentMerger().Merge(PartsOf(map, form), map.cols, map.rows);
+}
+
+TEST(SegmentedHough, SupportingPixelsAreEdgesAndCountOnce) {
+  Random random(SeedFor(2, "SegmentedHough.SupportingPixels"));
+  for (const HoughForm form : kForms) {
+    for (const double density : {0.05, 0.2, 0.5, 1.0}) {
+      cv::Mat1b map(53, 71);
+      for (std::uint8_t& pixel : map) {
+        pixel = random.Uniform() < density ? 255 : 0;
+      }
+      const LineParts parts = PartsOf(map, form);
+      std::set<std::pair<int, int>> seen;
+      for (const Eigen::Vector2f& p : parts.pixels) {
+        const int x = static_cast<int>(p.x());
+        const int y = static_cast<int>(p.y());
+        EXPECT_NE(map(y, x), 0);
+        EXPECT_TRUE(seen.emplace(x, y).second);
+      }
+      for (const LinePart& part : parts.parts) {
+        LineMoments sum;
+        for (std::int32_t i = 0; i < part.num_pixels; ++i) {
+          const Eigen::Vector2f& p =
+              parts.pixels[static_cast<std::size_t>(part.first_pixel + i)];
+          sum.Add(static_cast<double>(p.x()), static_cast<double>(p.y()));
+        }
+        // Sums of integers: exact.
+        EXPECT_EQ(sum.n, part.moments.n);
+        EXPECT_EQ(sum.x, part.moments.x);
+        EXPECT_EQ(sum.y, part.moments.y);
+        EXPECT_EQ(sum.xx, part.moments.xx);
+        EXPECT_EQ(sum.xy, part.moments.xy);
+        EXPECT_EQ(sum.yy, part.moments.yy);
+        EXPECT_LE(part.moments.Fit().across,
+                  std::pow(SegmentedHoughOptions().max_rms_px, 2) + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(SegmentedHough, ADrawnLineIsOneSegment) {
+  for (const HoughForm form : kForms) {
+    for (int degrees = 0; degrees < 180; degrees += 5) {
+      SCOPED_TRACE(degrees);
+      const double angle = degrees * std::numbers::pi / 180.0;
+      const Eigen::Vector2d d(std::cos(angle), std::sin(angle));
+      const Eigen::Vector2d middle(101.0, 87.0);
+      const Eigen::Vector2d a = middle - 80.0 * d;
+      const Eigen::Vector2d b = middle + 80.0 * d;
+      cv::Mat1b map(180, 200, std::uint8_t{0});
+      cv::line(map,
+               {static_cast<int>(std::lround(a.x())),
+                static_cast<int>(std::lround(a.y()))},
+               {static_cast<int>(std::lround(b.x())),
+                static_cast<int>(std::lround(b.y()))},
+               cv::Scalar(255));
+      const LineSet set = SegmentsOf(map, form);
+      EXPECT_FALSE(set.has_polarity);
+      ASSERT_EQ(set.segments.size(), 1u);
+      const LineSegment& s = set.segments[0];
+      // Up to three pixels in the corner of a tile are no piece.
+      EXPECT_GT((s.b - s.a).norm(), 147.0);
+      const Eigen::Vector2d along = (s.b - s.a).normalized();
+      // Ends rounded to pixels: half a pixel in 160.
+      EXPECT_LT(std::abs(along.x() * d.y() - along.y() * d.x()), 0.008);
+      EXPECT_LT(std::abs(d.x() * (s.a.y() - middle.y()) -
+                         d.y() * (s.a.x() - middle.x())),
+                0.8);
+      EXPECT_GT(s.num_pixels, 0.7 * cv::countNonZero(map));
+    }
+  }
+}
+
+TEST(SegmentedHough, ACornerIsTwoSegments) {
+  for (const HoughForm form : kForms) {
+    cv::Mat1b map(120, 120, std::uint8_t{0});
+    cv::line(map, {20, 21}, {100, 21}, cv::Scalar(255));
+    cv::line(map, {20, 21}, {20, 100}, cv::Scalar(255));
+    const LineSet set = SegmentsOf(map, form);
+    ASSERT_EQ(set.segments.size(), 2u);
+    for (const LineSegment& s : set.segments) {
+      EXPECT_GT((s.b - s.a).norm(), 70.0);
+      EXPECT_LT(s.sigma_px, 0.2);
+    }
+  }
+}
+
+TEST(SegmentedHough, PixelsBelowAPieceAreNone) {
+  for (const HoughForm form : kForms) {
+    cv::Mat1b map(16, 16, std::uint8_t{0});
+    map(3, 3) = 255;
+    map(4, 4) = 255;
+    EXPECT_TRUE(PartsOf(map, form).parts.empty());
+    map(5, 5) = 255;
+    EXPECT_EQ(PartsOf(map, form).parts.size(), 1u);
+  }
+}
+
+TEST(SegmentedHough, RefusesOptionsOutOfRange) {
+  SegmentedHoughOptions options;
+  options.min_pixels = 9;
+  EXPECT_THROW(SegmentedHough{options}, std::invalid_argument);
+  options = {};
+  options.max_rms_px = 0.0;
+  EXPECT_THROW(SegmentedHough{options}, std::invalid_argument);
+}
+
+TEST(SegmentMerger, JoinsOverAGapButNotOverALargerOne) {
+  for (const double gap : {3.0, 9.0}) {
+    LineParts parts;
+    for (const double start : {10.0, 39.0 + gap}) {
+      LinePart part;
+      part.first_pixel = static_cast<std::int32_t>(parts.pixels.size());
+      part.num_pixels = 30;
+      for (int i = 0; i < 30; ++i) {
+        part.moments.Add(start + i, 5.0);
+        parts.pixels.emplace_back(static_cast<float>(start + i), 5.0f);
+      }
+      part.a = parts.pixels[static_cast<std::size_t>(part.first_pixel)];
+      part.b = parts.pixels.back();
+      parts.parts.push_back(part);
+    }
+    const LineSet set = SegmentMerger().Merge(parts, 100, 10);
+    ASSERT_EQ(set.segments.size(), gap < 5.0 ? 1u : 2u);
+    EXPECT_EQ(set.segments[0].a, Eigen::Vector2d(10.0, 5.0));
+    if (gap < 5.0) {
+      EXPECT_EQ(set.segments[0].b, Eigen::Vector2d(71.0, 5.0));
+    }
+    // Turned round, the second continues the first only without a direction.
+    std::swap(parts.parts[1].a, parts.parts[1].b);
+    std::reverse(parts.pixels.begin() + 30, parts.pixels.end());
+    EXPECT_EQ(SegmentMerger().Merge(parts, 100, 10).segments.size(),
+              gap < 5.0 ? 1u : 2u);
+    parts.is_directed = true;
+    EXPECT_EQ(SegmentMerger().Merge(parts, 100, 10).segments.size(), 2u);
+  }
+}
+
+TEST(SegmentMerger, RefusesOptionsOutOfRange) {
+  SegmentMergerOptions options;
+  options.max_gap_px = 0.0;
+  EXPECT_THROW(SegmentMerger{options}, std::invalid_argument);
+  options = {};
+  options.min_length_px = 0.0;
+  EXPECT_THROW(SegmentMerger{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace waymark
