@@ -16,6 +16,20 @@ namespace {
 constexpr double kFirstFit = 8.0;
 // The line is fitted again each time the piece has grown by a quarter.
 constexpr double kGrowth = 1.25;
+// As far as a step over a gap may lead.
+constexpr int kRim = 2;
+
+template <typename Visit>
+void ForEachEdge(const EdgeImage& edges, const Visit& visit) {
+  const std::uint64_t* word = edges.bits.data();
+  for (int y = 0; y < edges.height; ++y) {
+    for (int first = 0; first < 64 * edges.num_words; first += 64) {
+      for (std::uint64_t bits = *word++; bits != 0; bits &= bits - 1) {
+        visit(first + std::countr_zero(bits), y);
+      }
+    }
+  }
+}
 
 }  // namespace
 
@@ -36,19 +50,17 @@ EdgeChainFinder::EdgeChainFinder(const EdgeChainOptions& options)
   min_cosine_squared_ = cosine * cosine;
 }
 
-bool EdgeChainFinder::IsFree(int x, int y) const {
-  if (x < 0 || y < 0 || x >= edges_->width || y >= edges_->height) return false;
-  const auto word = static_cast<std::size_t>(y * edges_->num_words + (x >> 6));
-  return (free_[word] >> (x & 63) & 1) != 0;
+inline std::size_t EdgeChainFinder::CellOf(int x, int y) const {
+  return static_cast<std::size_t>((y + kRim) * pitch_ + x + kRim);
 }
 
 void EdgeChainFinder::Take(const Pixel& pixel) {
-  const auto word =
-      static_cast<std::size_t>(pixel.y * edges_->num_words + (pixel.x >> 6));
-  free_[word] &= ~(std::uint64_t{1} << (pixel.x & 63));
+  free_[CellOf(pixel.x, pixel.y)] = 0;
   const std::size_t i = edges_->IndexOf(pixel.x, pixel.y);
   gradient_x_ += edges_->dx[i];
   gradient_y_ += edges_->dy[i];
+  least_square_ = min_cosine_squared_ *
+                  (gradient_x_ * gradient_x_ + gradient_y_ * gradient_y_);
   moments_.Add(pixel.x, pixel.y);
   if (moments_.n >= next_fit_) {
     fit_ = moments_.Fit();
@@ -56,16 +68,14 @@ void EdgeChainFinder::Take(const Pixel& pixel) {
   }
 }
 
-bool EdgeChainFinder::Fits(int x, int y, double* distance) const {
-  if (!IsFree(x, y)) return false;
+inline bool EdgeChainFinder::Fits(int x, int y, double* distance) const {
+  if (free_[CellOf(x, y)] == 0) return false;
   const std::size_t i = edges_->IndexOf(x, y);
   const double dx = edges_->dx[i];
   const double dy = edges_->dy[i];
   const double dot = dx * gradient_x_ + dy * gradient_y_;
   if (dot <= 0.0) return false;
-  const double squares = (dx * dx + dy * dy) * (gradient_x_ * gradient_x_ +
-                                                gradient_y_ * gradient_y_);
-  if (dot * dot < min_cosine_squared_ * squares) return false;
+  if (dot * dot < least_square_ * (dx * dx + dy * dy)) return false;
   *distance = moments_.n < kFirstFit
                   ? 0.0
                   : std::abs(fit_.Distance(Eigen::Vector2d(x, y)));
@@ -153,16 +163,14 @@ void EdgeChainFinder::Find(const EdgeImage& edges, LineParts* parts) {
   if (edges.bits.empty()) return;
   WAYMARK_CHECK(!edges.dx.empty());
   edges_ = &edges;
-  free_ = edges.bits;
-  for (int y = 0; y < edges.height; ++y) {
-    for (int word = 0; word < edges.num_words; ++word) {
-      const auto at = static_cast<std::size_t>(y * edges.num_words + word);
-      while (free_[at] != 0) {
-        Grow({64 * word + std::countr_zero(free_[at]), y});
-        if (moments_.n >= options_.min_pixels) Emit(parts);
-      }
-    }
-  }
+  pitch_ = edges.width + 2 * kRim;
+  free_.assign(static_cast<std::size_t>(pitch_ * (edges.height + 2 * kRim)), 0);
+  ForEachEdge(edges, [&](int x, int y) { free_[CellOf(x, y)] = 1; });
+  ForEachEdge(edges, [&](int x, int y) {
+    if (free_[CellOf(x, y)] == 0) return;
+    Grow({x, y});
+    if (moments_.n >= options_.min_pixels) Emit(parts);
+  });
 }
 
 }  // namespace waymark

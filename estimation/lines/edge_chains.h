@@ -4,6 +4,7 @@
 #include "estimation/lines/edge_image.h"
 #include "estimation/lines/line_parts.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -39,7 +40,7 @@ class EdgeChainFinder {
     int y;
   };
 
-  [[nodiscard]] bool IsFree(int x, int y) const;
+  [[nodiscard]] std::size_t CellOf(int x, int y) const;
   void Take(const Pixel& pixel);
   void Grow(const Pixel& seed);
   // Extends from `end` along (sign = 1) or against the piece's direction.
@@ -51,12 +52,16 @@ class EdgeChainFinder {
   EdgeChainOptions options_;
   double min_cosine_squared_ = 0.0;
   const EdgeImage* edges_ = nullptr;
-  std::vector<std::uint64_t> free_;
+  // Of each pixel whether it is an edge that no piece has; with a rim, so that
+  // what is two pixels away needs no check.
+  std::vector<std::uint8_t> free_;
+  std::ptrdiff_t pitch_ = 0;
   std::vector<Pixel> forward_;
   std::vector<Pixel> backward_;
   // Of the piece that grows.
   double gradient_x_ = 0.0;
   double gradient_y_ = 0.0;
+  double least_square_ = 0.0;  // Of its length, times min_cosine_squared_.
   LineMoments moments_;
   LineFit fit_;
   double next_fit_ = 0.0;  // Number of pixels at which the line is fitted.

@@ -53,6 +53,8 @@ WAYMARK_INLINE void Differentiate(const int16_t* const rows[3],
   int16_t* __restrict out_x = row.dx;
   int16_t* __restrict out_y = row.dy;
   int16_t* __restrict out_m = row.magnitude;
+  // Three rows written from three read are too many to be compared.
+#pragma GCC ivdep
   for (int x = 0; x < n; ++x) {
     const auto dx = static_cast<int16_t>(
         a[x + 1] - a[x - 1] + 2 * (m[x + 1] - m[x - 1]) + b[x + 1] - b[x - 1]);

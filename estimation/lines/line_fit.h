@@ -53,6 +53,17 @@ struct LineMoments {
     return *this;
   }
 
+  // Whether the mean square across the best line is at most `limit`: the matrix
+  // of the second moments less `limit` has no positive determinant, or no
+  // positive value at all. Cheaper than the fit.
+  [[nodiscard]] bool IsStraight(double limit) const {
+    const double t = limit * n * n;
+    const double a = n * xx - x * x - t;
+    const double b = n * xy - x * y;
+    const double c = n * yy - y * y - t;
+    return a <= 0.0 || c <= 0.0 || a * c <= b * b;
+  }
+
   // Needs n > 0. The direction of a single point is that of x; of two signs
   // the one with x > 0 (or x = 0, y > 0).
   [[nodiscard]] LineFit Fit() const {

@@ -10,11 +10,26 @@ namespace {
 
 // The smoothing ties the errors of some pixels in a row to each other.
 constexpr double kPixelsOfOneError = 4.0;
-// What is left for many pixels: the shape of the edge, the crest's parabola.
-constexpr double kFloorPx = 0.03;
+// What is left for many pixels, by rendered edges: shading beside an edge and
+// its neighbours move all of it, and turn it less.
+constexpr double kOffsetFloorPx = 0.1;
+constexpr double kTurnFloorPx = 0.05;
 // A piece may start behind the end it continues by this much: the sawtooth of
 // two tiles' edges.
-constexpr double kOverlapPx = 2.0;
+constexpr float kOverlapPx = 2.0f;
+// How far beside the end of a short trace its continuation may begin, and how
+// much it may seem to turn there: the error of some pixels in a row.
+constexpr float kSidePx = 2.0f;
+constexpr float kTurn = 0.35f;
+constexpr float kCellPx = 4.0f;
+// Smaller pieces only continue others: their own direction says too little.
+constexpr std::int32_t kFirstPixels = 5;
+// Ends lie within this many times the root mean square.
+constexpr double kEnds = 3.0;
+
+int CellOf(float value) {
+  return static_cast<int>(value * (1.0f / kCellPx));
+}
 
 bool IsForward(const Eigen::Vector2f& a,
                const Eigen::Vector2f& b,
@@ -43,81 +58,103 @@ SegmentMerger::SegmentMerger(const SegmentMergerOptions& options)
   options.Check();
 }
 
-// Cells are as wide as the gap, so that 3 x 3 of them hold all that is near.
-int SegmentMerger::CellOf(float value) const {
-  return static_cast<int>(static_cast<double>(value) / options_.max_gap_px);
-}
-
-// Ends 2 i (a) and 2 i + 1 (b) of piece i.
+// By counting: the ends of three cells side by side follow each other.
 void SegmentMerger::FillCells(const LineParts& parts, int width, int height) {
   num_columns_ = CellOf(static_cast<float>(width)) + 1;
   num_rows_ = CellOf(static_cast<float>(height)) + 1;
   first_.assign(static_cast<std::size_t>(num_columns_) *
-                    static_cast<std::size_t>(num_rows_),
-                -1);
-  next_.resize(2 * parts.parts.size());
-  for (std::size_t end = 0; end < next_.size(); ++end) {
-    const LinePart& part = parts.parts[end / 2];
-    const Eigen::Vector2f& p = end % 2 == 0 ? part.a : part.b;
-    std::int32_t& head = first_[static_cast<std::size_t>(
-        CellOf(p.y()) * num_columns_ + CellOf(p.x()))];
-    next_[end] = head;
-    head = static_cast<std::int32_t>(end);
+                        static_cast<std::size_t>(num_rows_) +
+                    1,
+                0);
+  ends_.resize(2 * parts.parts.size());
+  const auto cell_of = [&](const Eigen::Vector2f& p) {
+    return static_cast<std::size_t>(CellOf(p.y()) * num_columns_ +
+                                    CellOf(p.x()));
+  };
+  for (const LinePart& part : parts.parts) {
+    ++first_[cell_of(part.a)];
+    ++first_[cell_of(part.b)];
+  }
+  std::int32_t sum = 0;
+  for (std::int32_t& first : first_) {
+    sum += first;
+    first = sum;
+  }
+  // From the back, so that ends of a cell keep their order.
+  for (std::size_t i = parts.parts.size(); i-- > 0;) {
+    const LinePart& part = parts.parts[i];
+    const auto code = static_cast<std::int32_t>(2 * i);
+    ends_[static_cast<std::size_t>(--first_[cell_of(part.b)])] = {
+        part.b.x(), part.b.y(), part.a.x(), part.a.y(), code + 1};
+    ends_[static_cast<std::size_t>(--first_[cell_of(part.a)])] = {
+        part.a.x(), part.a.y(), part.b.x(), part.b.y(), code};
   }
 }
 
 bool SegmentMerger::Extend(const LineParts& parts) {
-  const Eigen::Vector2f at = trace_.b;
-  const float gap = static_cast<float>(options_.max_gap_px);
   const double limit = options_.max_rms_px * options_.max_rms_px;
-  const double end_limit = 3.0 * options_.max_rms_px;
+  const double end_limit = kEnds * options_.max_rms_px;
   std::int32_t best = -1;
   LineMoments best_moments;
   LineFit best_fit;
   double least = limit;
-  const int row = CellOf(at.y());
-  const int column = CellOf(at.x());
-  for (int r = std::max(0, row - 1); r <= std::min(num_rows_ - 1, row + 1);
-       ++r) {
-    for (int c = std::max(0, column - 1);
-         c <= std::min(num_columns_ - 1, column + 1);
-         ++c) {
-      for (std::int32_t end =
-               first_[static_cast<std::size_t>(r * num_columns_ + c)];
-           end >= 0;
-           end = next_[static_cast<std::size_t>(end)]) {
-        const auto i = static_cast<std::size_t>(end / 2);
-        if (is_used_[i]) continue;
-        const bool is_turned = end % 2 == 1;
-        if (parts.is_directed && is_turned != trace_.is_turned) continue;
-        const LinePart& part = parts.parts[i];
-        const Eigen::Vector2f& near = is_turned ? part.b : part.a;
-        const Eigen::Vector2f& far = is_turned ? part.a : part.b;
-        const Eigen::Vector2f step = near - at;
-        if (step.squaredNorm() > gap * gap) continue;
-        const Eigen::Vector2d& d = trace_.fit.direction;
-        if (d.dot(step.cast<double>()) < -kOverlapPx) continue;
-        if (d.dot((far - at).cast<double>()) <= 0.0) continue;
-        if (!IsForward(near, far, d)) continue;
-        if (std::abs(trace_.fit.Distance(far.cast<double>())) >
-            4.0 * end_limit) {
-          continue;
-        }
-        LineMoments sum = trace_.moments;
-        sum += part.moments;
-        LineFit fit = sum.Fit();
-        if (fit.across > least) continue;
-        if (std::abs(fit.Distance(near.cast<double>())) > end_limit ||
-            std::abs(fit.Distance(far.cast<double>())) > end_limit ||
-            std::abs(fit.Distance(at.cast<double>())) > end_limit) {
-          continue;
-        }
-        if (fit.direction.dot(d) < 0.0) fit.direction = -fit.direction;
-        best = end;
-        least = fit.across;
-        best_moments = sum;
-        best_fit = fit;
+  // Ends that may continue the trace lie in a small box ahead of it; the first
+  // checks are cheap, as most of them fail.
+  const auto gap = static_cast<float>(options_.max_gap_px);
+  const float bx = trace_.b.x();
+  const float by = trace_.b.y();
+  const auto dx = static_cast<float>(trace_.fit.direction.x());
+  const auto dy = static_cast<float>(trace_.fit.direction.y());
+  const auto range = [gap](float at, float along, float aside, int num) {
+    const float one = -kOverlapPx * along;
+    const float other = gap * along;
+    const float side = kSidePx * std::abs(aside);
+    return std::pair(
+        std::max(0, CellOf(at + std::min(one, other) - side)),
+        std::min(num - 1, CellOf(at + std::max(one, other) + side)));
+  };
+  const auto [left, right] = range(bx, dx, dy, num_columns_);
+  const auto [top, bottom] = range(by, dy, dx, num_rows_);
+  for (int r = top; r <= bottom; ++r) {
+    const std::int32_t* cells = first_.data() + r * num_columns_;
+    const End* const last = ends_.data() + cells[right + 1];
+    for (const End* end = ends_.data() + cells[left]; end < last; ++end) {
+      const float step_x = end->near_x - bx;
+      const float step_y = end->near_y - by;
+      if (std::abs(dx * step_y - dy * step_x) > kSidePx) continue;
+      const float step = dx * step_x + dy * step_y;
+      if (step < -kOverlapPx || step > gap) continue;
+      const float reach_x = end->far_x - bx;
+      const float reach_y = end->far_y - by;
+      const float reach = dx * reach_x + dy * reach_y;
+      if (reach <= std::max(0.0f, step)) continue;
+      if (std::abs(dx * reach_y - dy * reach_x) > kSidePx + kTurn * reach) {
+        continue;
       }
+      if (is_used_[static_cast<std::size_t>(end->code / 2)]) continue;
+      if (parts.is_directed && (end->code % 2 == 1) != trace_.is_turned) {
+        continue;
+      }
+      LineMoments sum = trace_.moments;
+      sum += parts.parts[static_cast<std::size_t>(end->code / 2)].moments;
+      if (!sum.IsStraight(least)) continue;
+      LineFit fit = sum.Fit();
+      if (fit.across > least) continue;
+      const auto is_off = [&](float x, float y) {
+        return std::abs(fit.Distance({static_cast<double>(x),
+                                      static_cast<double>(y)})) > end_limit;
+      };
+      if (is_off(end->near_x, end->near_y) || is_off(end->far_x, end->far_y) ||
+          is_off(bx, by)) {
+        continue;
+      }
+      if (fit.direction.dot(trace_.fit.direction) < 0.0) {
+        fit.direction = -fit.direction;
+      }
+      best = end->code;
+      least = fit.across;
+      best_moments = sum;
+      best_fit = fit;
     }
   }
   if (best < 0) return false;
@@ -139,6 +176,11 @@ void SegmentMerger::Turn() {
 }
 
 void SegmentMerger::Emit(const LineParts& parts, LineSet* set) {
+  // Pixels of the pieces may reach a little beyond the ends of the trace.
+  if ((trace_.b - trace_.a).norm() + 2.0f * kOverlapPx <
+      static_cast<float>(options_.min_length_px)) {
+    return;
+  }
   LineSegment segment;
   segment.first_pixel = static_cast<std::int32_t>(set->pixels.size());
   const auto append = [&](std::int32_t end, bool is_back) {
@@ -190,9 +232,9 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
   FillCells(parts, width, height);
   is_used_.assign(parts.parts.size(), 0);
   for (std::size_t i = 0; i < parts.parts.size(); ++i) {
-    if (is_used_[i]) continue;
-    is_used_[i] = 1;
     const LinePart& part = parts.parts[i];
+    if (is_used_[i] || part.num_pixels < kFirstPixels) continue;
+    is_used_[i] = 1;
     trace_.moments = part.moments;
     trace_.fit = part.moments.Fit();
     if (!IsForward(part.a, part.b, trace_.fit.direction)) {
@@ -219,8 +261,10 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
 void SetSegmentErrors(double across_px, LineSegment* segment) {
   const double length = std::max(1.0, (segment->b - segment->a).norm());
   const double num = std::max(1.0, segment->num_pixels / kPixelsOfOneError);
-  segment->sigma_px = std::hypot(across_px / std::sqrt(num), kFloorPx);
-  segment->sigma_rad = std::sqrt(12.0) * segment->sigma_px / length;
+  const double error = across_px / std::sqrt(num);
+  segment->sigma_px = std::hypot(error, kOffsetFloorPx);
+  segment->sigma_rad =
+      std::sqrt(12.0) * std::hypot(error, kTurnFloorPx) / length;
 }
 
 }  // namespace waymark

@@ -11,8 +11,8 @@ namespace waymark {
 
 struct SegmentMergerOptions {
   // Two pieces join where the ends are no farther than this from each other,
-  // in (0, 64]. Three pixels in the corner of a tile, too few for a piece, leave
-  // a gap of four, 5.7 px along a diagonal.
+  // in (0, 64]. Three pixels in the corner of a tile, too few for a piece,
+  // leave a gap of four, 5.7 px along a diagonal.
   double max_gap_px = 6.0;
   // ... and where all their pixels together lie this close to one line, root
   // mean square, and their ends within three times that. In (0, 10].
@@ -48,8 +48,16 @@ class SegmentMerger {
     bool is_turned;  // Against the direction of a directed set.
   };
 
+  // An end of a piece, at `near`, from which it leads to `far`.
+  struct End {
+    float near_x;
+    float near_y;
+    float far_x;
+    float far_y;
+    std::int32_t code;  // 2 part, + 1 where `near` is its b.
+  };
+
   void FillCells(const LineParts& parts, int width, int height);
-  [[nodiscard]] int CellOf(float value) const;
   // Joins the best piece at the end b of the trace; false where there is none.
   bool Extend(const LineParts& parts);
   void Turn();
@@ -58,8 +66,8 @@ class SegmentMerger {
   SegmentMergerOptions options_;
   int num_columns_ = 0;
   int num_rows_ = 0;
-  std::vector<std::int32_t> first_;  // Of each cell; then of each end the next.
-  std::vector<std::int32_t> next_;
+  std::vector<std::int32_t> first_;  // End of each cell, and one past the last.
+  std::vector<End> ends_;            // Cell by cell, row after row of them.
   std::vector<char> is_used_;
   Trace trace_;
   std::vector<std::int32_t> order_;

@@ -339,16 +339,21 @@ void SegmentedHough::FindLiteral(const EdgeImage& edges,
 void SegmentedHough::FindWords(const EdgeImage& edges, LineParts* parts) const {
   const double limit = options_.max_rms_px * options_.max_rms_px;
   const auto emit = [&](Word pixels, const TileSums& sums, int ox, int oy) {
-    const auto first = static_cast<std::int32_t>(parts->pixels.size());
+    const std::size_t begin = parts->pixels.size();
+    const auto first = static_cast<std::int32_t>(begin);
+    parts->pixels.resize(begin + static_cast<std::size_t>(sums.n));
+    Eigen::Vector2f* out = parts->pixels.data() + begin;
     if (sums.Sxx() >= sums.Syy()) {
       for (Word w = Transpose(pixels); w != 0; w &= w - 1) {
         const int i = std::countr_zero(w);
-        AddPixel(ox + i / kSide, oy + i % kSide, parts);
+        *out++ = {static_cast<float>(ox + i / kSide),
+                  static_cast<float>(oy + i % kSide)};
       }
     } else {
       for (Word w = pixels; w != 0; w &= w - 1) {
         const int i = std::countr_zero(w);
-        AddPixel(ox + i % kSide, oy + i / kSide, parts);
+        *out++ = {static_cast<float>(ox + i % kSide),
+                  static_cast<float>(oy + i / kSide)};
       }
     }
     AddPart(sums.At(ox, oy), first, parts);

@@ -123,13 +123,12 @@ TEST(LineExtractor, ErrorsAreThoseItStates) {
       turn += std::pow(AngleBetween(s.b - s.a, d) / s.sigma_rad, 2);
       ++num;
     }
-    // Sixty squares of one have a standard error of 0.18. This edge is better
-    // than those of cameras, for which the floor of the errors stands, so they
-    // may be as small as a fifth of what is stated.
+    // Sixty squares of one have a standard error of 0.18. Below there is no
+    // bound to hold: this edge is straighter than those of scenes, for which
+    // the floor of the errors stands.
     EXPECT_LT(offset / num, 1.6);
-    EXPECT_GT(offset / num, 0.04);
     EXPECT_LT(turn / num, 1.6);
-    EXPECT_GT(turn / num, 0.04);
+    EXPECT_GT(turn / num, 0.02);
   }
 }
 
