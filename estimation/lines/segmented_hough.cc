@@ -27,6 +27,8 @@ constexpr int kNumAngles = 16;
 // Cells are two steps wide and overlap by half: pixels lie up to half a pixel
 // from their line, so one of two neighbours holds them all.
 constexpr double kOffsetStep = 0.75;
+// Of pixels that lie anyhow, three are on some line nearly always.
+constexpr int kChance = 4;
 // Offsets from the middle of a sub-image; its half diagonal is 6.4.
 constexpr int kNumOffsets = 20;
 
@@ -212,7 +214,7 @@ struct SegmentedHough::Tables {
         of_offset[offset + 1] |= Word{1} << i;
       }
       for (const Word line : of_offset) {
-        if (std::popcount(line) >= 2) lines.push_back(line);
+        if (std::popcount(line) >= kChance) lines.push_back(line);
       }
     }
   }
@@ -373,7 +375,7 @@ void SegmentedHough::FindWords(const EdgeImage& edges, LineParts* parts) const {
             tables_->fullest(tables_->lines.data(),
                              static_cast<int>(tables_->lines.size()),
                              group);
-        if (best.count < options_.min_pixels) break;
+        if (best.count < std::max(options_.min_pixels, kChance)) break;
         const Word line =
             group & tables_->lines[static_cast<std::size_t>(best.index)];
         group &= ~line;
