@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <cstring>
 #include <stdexcept>
 
 namespace waymark {
@@ -16,14 +15,6 @@ namespace {
 constexpr double kUnit = 128.0;
 // Around a row buffer, so that its loops may look two pixels to each side.
 constexpr int kPad = 16;
-
-// Eight marks become eight bits of their lowest (or second) bits.
-std::uint64_t PackEight(const std::uint8_t* marks, int bit) {
-  std::uint64_t bytes = 0;
-  std::memcpy(&bytes, marks, sizeof(bytes));
-  bytes = bytes >> bit & 0x0101010101010101ull;
-  return bytes * 0x0102040810204080ull >> 56;
-}
 
 // Bits of `field` that a run of `seeds` reaches along the row. `seeds` lie in
 // `field`. An addition carries a seed to the upper end of its run.
@@ -101,17 +92,7 @@ void SetEdgeBits(const cv::Mat1b& map, EdgeImage* edges) {
     std::uint64_t* bits =
         edges->bits.data() + static_cast<std::ptrdiff_t>(y) * edges->num_words;
     int x = 0;
-    for (; x + 8 <= map.cols; x += 8) {
-      std::uint64_t bytes = 0;
-      std::memcpy(&bytes, row + x, sizeof(bytes));
-      if (bytes == 0) continue;
-      // The lowest bit of every byte that is not 0.
-      bytes |= bytes >> 4 & 0x0F0F0F0F0F0F0F0Full;
-      bytes |= bytes >> 2 & 0x3333333333333333ull;
-      bytes |= bytes >> 1 & 0x7F7F7F7F7F7F7F7Full;
-      bytes &= 0x0101010101010101ull;
-      bits[x >> 6] |= (bytes * 0x0102040810204080ull >> 56) << (x & 63);
-    }
+    for (; x + 64 <= map.cols; x += 64) bits[x >> 6] = PackNotZero(row + x);
     for (; x < map.cols; ++x) {
       if (row[x] != 0) bits[x >> 6] |= std::uint64_t{1} << (x & 63);
     }
@@ -213,16 +194,10 @@ void EdgeDetector::SuppressRow(int y) {
     loops.suppress_four_directions(row, edges_.width, marks_.data());
   }
   for (int word = 0; word < edges_.num_words; ++word) {
-    std::uint64_t all = 0;
-    std::uint64_t strong = 0;
-    for (int i = 0; i < 8; ++i) {
-      const std::uint8_t* eight = marks_.data() + 64 * word + 8 * i;
-      all |= PackEight(eight, 0) << (8 * i);
-      strong |= PackEight(eight, 1) << (8 * i);
-    }
+    const std::uint8_t* marks = marks_.data() + 64 * word;
     const auto at = static_cast<std::size_t>(y * edges_.num_words + word);
-    candidates_[at] = all;
-    edges_.bits[at] = strong;
+    candidates_[at] = PackBit<0>(marks);
+    edges_.bits[at] = PackBit<1>(marks);
   }
 }
 

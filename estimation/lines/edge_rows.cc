@@ -6,6 +6,12 @@
 #define WAYMARK_WIDE_ROWS __attribute__((target("avx2")))
 #endif
 
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+#include <cstring>
+
 namespace waymark {
 namespace {
 
@@ -176,7 +182,61 @@ constexpr EdgeRowLoops kWide{WideSmoothDown,
                              WideFourDirections};
 #endif
 
+#if defined(__SSE2__)
+template <typename Mask>
+std::uint64_t PackBy(const uint8_t* bytes, const Mask& mask_of) {
+  std::uint64_t word = 0;
+  for (int i = 0; i < 64; i += 16) {
+    const __m128i sixteen =
+        _mm_loadu_si128(reinterpret_cast<const __m128i*>(bytes + i));
+    const auto mask =
+        static_cast<unsigned>(_mm_movemask_epi8(mask_of(sixteen)));
+    word |= static_cast<std::uint64_t>(mask) << i;
+  }
+  return word;
+}
+#else
+// `bits_of` leaves the lowest bit of each of eight bytes; the product gathers
+// them in its highest byte.
+template <typename Bits>
+std::uint64_t PackBy(const uint8_t* bytes, const Bits& bits_of) {
+  std::uint64_t word = 0;
+  for (int i = 0; i < 64; i += 8) {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, bytes + i, sizeof(eight));
+    word |= (bits_of(eight) * 0x0102040810204080ull >> 56) << i;
+  }
+  return word;
+}
+#endif
+
 }  // namespace
+
+std::uint64_t PackNotZero(const std::uint8_t* bytes) {
+#if defined(__SSE2__)
+  return ~PackBy(
+      bytes, [](__m128i v) { return _mm_cmpeq_epi8(v, _mm_setzero_si128()); });
+#else
+  return PackBy(bytes, [](std::uint64_t v) {
+    v |= v >> 4 & 0x0F0F0F0F0F0F0F0Full;
+    v |= v >> 2 & 0x3333333333333333ull;
+    v |= v >> 1 & 0x7F7F7F7F7F7F7F7Full;
+    return v & 0x0101010101010101ull;
+  });
+#endif
+}
+
+template <int Bit>
+std::uint64_t PackBit(const std::uint8_t* bytes) {
+#if defined(__SSE2__)
+  return PackBy(bytes, [](__m128i v) { return _mm_slli_epi16(v, 7 - Bit); });
+#else
+  return PackBy(
+      bytes, [](std::uint64_t v) { return v >> Bit & 0x0101010101010101ull; });
+#endif
+}
+template std::uint64_t PackBit<0>(const std::uint8_t* bytes);
+template std::uint64_t PackBit<1>(const std::uint8_t* bytes);
 
 bool HasWideEdgeRows() {
 #if defined(WAYMARK_WIDE_ROWS)

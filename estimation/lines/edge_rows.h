@@ -51,4 +51,12 @@ struct EdgeRowLoops {
 [[nodiscard]] const EdgeRowLoops& PortableEdgeRowLoops();
 [[nodiscard]] bool HasWideEdgeRows();
 
+// Of 64 bytes one bit each, the first the lowest: whether it is not 0; or its
+// bit `Bit`.
+[[nodiscard]] std::uint64_t PackNotZero(const std::uint8_t* bytes);
+template <int Bit>
+[[nodiscard]] std::uint64_t PackBit(const std::uint8_t* bytes);
+extern template std::uint64_t PackBit<0>(const std::uint8_t* bytes);
+extern template std::uint64_t PackBit<1>(const std::uint8_t* bytes);
+
 }  // namespace waymark
