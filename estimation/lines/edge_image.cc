@@ -86,7 +86,7 @@ void SetEdgeBits(const cv::Mat1b& map, EdgeImage* edges) {
   edges->stride = 0;
   edges->dx.clear();
   edges->dy.clear();
-  edges->bits.assign(static_cast<std::size_t>(map.rows * edges->num_words), 0);
+  edges->bits.assign(edges->WordOf(0, map.rows), 0);
   for (int y = 0; y < map.rows; ++y) {
     const std::uint8_t* row = map.ptr(y);
     std::uint64_t* bits =
@@ -123,11 +123,11 @@ void EdgeDetector::Prepare(const cv::Mat1b& image) {
                                 static_cast<std::size_t>(image.rows);
   edges_.bits.resize(num_words);
   candidates_.resize(num_words);
-  const auto row = static_cast<std::size_t>(edges_.stride + 2 * kPad);
+  const std::size_t row = static_cast<std::size_t>(edges_.stride) + 2 * kPad;
   column_.resize(row);
   smooth_.resize(3 * row);
   magnitude_.assign(4 * row, 0);
-  marks_.assign(static_cast<std::size_t>(64 * edges_.num_words), 0);
+  marks_.assign(64 * edges_.WordOf(0, 1), 0);
 }
 
 void EdgeDetector::SmoothRow(const cv::Mat1b& image, int y) {
@@ -195,7 +195,7 @@ void EdgeDetector::SuppressRow(int y) {
   }
   for (int word = 0; word < edges_.num_words; ++word) {
     const std::uint8_t* marks = marks_.data() + 64 * word;
-    const auto at = static_cast<std::size_t>(y * edges_.num_words + word);
+    const std::size_t at = edges_.WordOf(word, y);
     candidates_[at] = PackBit<0>(marks);
     edges_.bits[at] = PackBit<1>(marks);
   }

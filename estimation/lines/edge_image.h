@@ -45,9 +45,11 @@ struct EdgeImage {
   std::vector<std::int16_t> dy;
 
   [[nodiscard]] bool IsEdge(int x, int y) const {
-    return (bits[static_cast<std::size_t>(y * num_words + (x >> 6))] >>
-                (x & 63) &
-            1) != 0;
+    return (bits[WordOf(x / 64, y)] >> (x % 64) & 1) != 0;
+  }
+  [[nodiscard]] std::size_t WordOf(int word, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(num_words) +
+           static_cast<std::size_t>(word);
   }
   [[nodiscard]] std::size_t IndexOf(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride) +

@@ -68,8 +68,9 @@ void SegmentMerger::FillCells(const LineParts& parts, int width, int height) {
                 0);
   ends_.resize(2 * parts.parts.size());
   const auto cell_of = [&](const Eigen::Vector2f& p) {
-    return static_cast<std::size_t>(CellOf(p.y()) * num_columns_ +
-                                    CellOf(p.x()));
+    return static_cast<std::size_t>(CellOf(p.y())) *
+               static_cast<std::size_t>(num_columns_) +
+           static_cast<std::size_t>(CellOf(p.x()));
   };
   for (const LinePart& part : parts.parts) {
     ++first_[cell_of(part.a)];
