@@ -5,6 +5,7 @@
 #include "processes/collision_guard/collision_guard_process.h"
 #include "processes/convert/corridor_file.h"
 #include "processes/convert/task_convert.h"
+#include "processes/corridor_tracker/corridor_tracker_process.h"
 #include "processes/path_follower/path_follower_process.h"
 #include "processes/pose_filter/pose_filter_process.h"
 #include "processes/simulator/simulator_process.h"
@@ -112,6 +113,14 @@ void CorridorExperimentConfig::Describe(Describer& d) {
            "What is not done by then has failed; simulated time");
   d.Group(
       "model", [&] { model.Describe(d); }, "Of CORRIDOR_POSE (sight: model)");
+  d.Number("tracker_latency_s",
+           &tracker_latency_s,
+           {0.0, 2.0},
+           "That corridor_tracker takes for an image (sight: pixels)");
+  d.Group(
+      "corridor_tracker",
+      [&] { corridor_tracker.Describe(d); },
+      "As in its own configuration; camera and corridors are those of the run");
   d.Group(
       "simulator",
       [&] { simulator.Describe(d); },
@@ -182,7 +191,8 @@ void CorridorExperiment::Prepare() {
   config_.Check();
   const std::string name =
       config_.corridor.empty() ? config_.simulator.world : config_.corridor;
-  corridor_ = LoadCorridorFile(FindCorridorFile(name)).front();
+  corridor_path_ = FindCorridorFile(name);
+  corridor_ = LoadCorridorFile(corridor_path_).front();
   subject_ = fmt::format("{} in {}: {} x {} m at {}, {}, {}",
                          SubjectOf(config_.simulator),
                          corridor_.name,
@@ -262,6 +272,13 @@ RunResult CorridorExperiment::Run(std::uint64_t seed,
   const auto blind = BlindWay();
   run.Add<SimulatorProcess>(robot);
   run.Add<PoseFilterProcess>(Filter(robot));
+  if (config_.sight == CorridorSight::kPixels) {
+    CorridorTrackerConfig tracker = config_.corridor_tracker;
+    tracker.camera = robot.camera.name;
+    tracker.corridors = corridor_path_;
+    run.Add<CorridorTrackerProcess>(
+        tracker, DurationFromSeconds(config_.tracker_latency_s));
+  }
   run.Add<PathFollowerProcess>(config_.path_follower);
   run.Add<CollisionGuardProcess>(config_.collision_guard);
   std::optional<CorridorVision> model;

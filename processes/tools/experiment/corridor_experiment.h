@@ -3,6 +3,7 @@
 
 #include "estimation/corridor/corridor_types.h"
 #include "processes/collision_guard/collision_guard_config.h"
+#include "processes/corridor_tracker/corridor_tracker_config.h"
 #include "processes/path_follower/task_follower_config.h"
 #include "processes/pose_filter/pose_filter_config.h"
 #include "processes/simulator/simulator_config.h"
@@ -46,6 +47,8 @@ struct CorridorExperimentConfig {
   double relocate_m = 0.25;  // Of sight, after which that holds again.
   double max_duration_s = 600.0;
   CorridorVisionOptions model;
+  double tracker_latency_s = 0.01;  // Of corridor_tracker.
+  CorridorTrackerConfig corridor_tracker;
   SimulatorConfig simulator;
   PoseFilterConfig pose_filter;
   CollisionGuardConfig collision_guard;
@@ -85,6 +88,7 @@ class CorridorExperiment final : public Experiment {
 
   CorridorExperimentConfig config_;
   CorridorGeometry corridor_;
+  std::string corridor_path_;
   std::string subject_;
 };
 

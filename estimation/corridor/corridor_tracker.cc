@@ -1,0 +1,247 @@
+#include "estimation/corridor/corridor_tracker.h"
+
+#include "estimation/geometry/angle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+// The pinhole view of a lens that sees more than one can: so far to each side.
+const double kHalfView = RadiansFromDegrees(50.0);
+
+Intrinsics PinholeOf(const CameraView& camera) {
+  if (const auto* lens = std::get_if<PerspectiveCamera>(&camera.model)) {
+    return lens->intrinsics();
+  }
+  const auto straight =
+      PixelFromRay(camera.model, Eigen::Vector3d(0.0, 0.0, 1.0));
+  if (std::holds_alternative<PanoramaCamera>(camera.model) || !straight) {
+    throw std::invalid_argument(
+        "camera: must see straight ahead, as lenses do and panoramas do not");
+  }
+  const double f = 0.5 * camera.size.width / std::tan(kHalfView);
+  return {f, f, 0.5 * (camera.size.width - 1), 0.5 * (camera.size.height - 1)};
+}
+
+bool IsPinhole(const CameraView& camera) {
+  const auto* lens = std::get_if<PerspectiveCamera>(&camera.model);
+  return lens != nullptr && lens->distortion() == LensDistortion{};
+}
+
+std::optional<HeadingPrior> HeadingPriorOf(
+    const std::optional<CorridorPrior>& prior, double max_sigma) {
+  if (!prior) return std::nullopt;
+  const double sigma = std::sqrt(prior->covariance(2, 2));
+  if (!(sigma < max_sigma)) return std::nullopt;
+  return HeadingPrior{prior->X_LR.heading, sigma};
+}
+
+std::optional<LateralPrior> LateralPriorOf(
+    const std::optional<CorridorPrior>& prior) {
+  if (!prior) return std::nullopt;
+  return LateralPrior{prior->X_LR.y, std::sqrt(prior->covariance(1, 1))};
+}
+
+// Whether the corridor ends within `end_m` in front of the robot.
+bool IsAtEnd(const CorridorGeometry& corridor,
+             const std::optional<CorridorPrior>& prior,
+             double end_m) {
+  if (!prior) return false;
+  const bool is_forward = std::cos(prior->X_LR.heading) > 0.0;
+  const double left = is_forward ? corridor.x_max - prior->X_LR.x
+                                 : prior->X_LR.x - corridor.x_min;
+  return left < end_m;
+}
+
+// [1, section III.D].
+double RegularProbabilityOf(const CorridorEstimate& estimate,
+                            const CorridorPrior& prior,
+                            const GateOptions& options) {
+  const Eigen::Vector2d residual(
+      estimate.y.value_or(0.0) - prior.X_LR.y,
+      WrapAngle(estimate.heading.value() - prior.X_LR.heading));
+  const Eigen::Matrix2d P = prior.covariance.bottomRightCorner<2, 2>();
+  Innovation innovation;
+  if (estimate.y) {
+    innovation.residual = residual;
+    innovation.HPH = P;
+    innovation.R = estimate.covariance;
+  } else {
+    innovation.residual = residual.tail<1>();
+    innovation.HPH = FixMatrix::Constant(1, 1, P(1, 1));
+    innovation.R = FixMatrix::Constant(1, 1, estimate.covariance(1, 1));
+  }
+  return RegularProbability(
+      {false, estimate.y.has_value(), true}, innovation, options);
+}
+
+bool IsKnownEdge(CorridorEdge edge) {
+  return edge != CorridorEdge::kNone && edge != CorridorEdge::kAlong;
+}
+
+void SayNo(CorridorStatus status,
+           std::string reason,
+           CorridorEstimate* estimate) {
+  estimate->status = status;
+  estimate->reason = std::move(reason);
+}
+
+// Vanishing point, and which lines are along the axis.
+void NoteFamilies(const CorridorView& view,
+                  const AxisHeading& heading,
+                  CorridorEstimate* estimate) {
+  const Eigen::Vector3d point = view.PixelOf(AxisIn(heading.heading));
+  // Farther than any image is at infinity.
+  if (std::abs(point.z()) > 1e-3) {
+    estimate->vanishing_point = Eigen::Vector2d(point.hnormalized());
+  }
+  for (std::size_t i = 0; i < estimate->lines.size(); ++i) {
+    if (heading.families[i] == LineFamily::kAlong) {
+      estimate->lines[i].edge = CorridorEdge::kAlong;
+    }
+  }
+}
+
+void NotePose(const JointPose& pose, CorridorEstimate* estimate) {
+  estimate->y = pose.y;
+  estimate->heading = pose.heading;
+  estimate->covariance = pose.covariance;
+  for (std::size_t i = 0; i < estimate->lines.size(); ++i) {
+    estimate->lines[i].edge = pose.edges[i];
+    estimate->lines[i].is_used = pose.y && IsKnownEdge(pose.edges[i]);
+  }
+}
+
+}  // namespace
+
+void CorridorTrackerOptions::Check() const {
+  lines.Check();
+  heading.Check();
+  pose.Check();
+  const auto require = [](bool is_good, const char* what) {
+    if (!is_good) throw std::invalid_argument(what);
+  };
+  require(model_px >= 0.0 && model_px <= 100.0, "model_px: in [0, 100]");
+  require(model_rad >= 0.0 && model_rad <= 1.0, "model_rad: in [0, 1]");
+  require(max_prior_rad > 0.0, "max_prior_rad: must be positive");
+  require(end_m >= 0.0, "end_m: must not be negative");
+}
+
+CorridorEstimate EstimateCorridor(const CorridorView& view,
+                                  const LineSet& lines,
+                                  const CorridorGeometry& corridor,
+                                  const std::optional<CorridorPrior>& prior,
+                                  const CorridorTrackerOptions& options) {
+  CorridorEstimate estimate;
+  std::vector<SeenLine> seen;
+  for (const LineSegment& segment : lines.segments) {
+    estimate.lines.push_back({segment, CorridorEdge::kNone, false});
+    seen.push_back(SeenLineOf(segment, options.model_px, options.model_rad));
+  }
+  if (seen.empty()) {
+    SayNo(CorridorStatus::kNoLines, "no lines in the image", &estimate);
+    return estimate;
+  }
+  const bool is_at_end = IsAtEnd(corridor, prior, options.end_m);
+  const auto prior_heading = HeadingPriorOf(prior, options.max_prior_rad);
+  const auto heading =
+      EstimateAxisHeading(view, seen, prior_heading, options.heading);
+  if (!heading) {
+    SayNo(is_at_end ? CorridorStatus::kEnds : CorridorStatus::kNoVanishingPoint,
+          is_at_end ? "the corridor ends ahead"
+                    : "lines do not agree on the corridor's direction",
+          &estimate);
+    return estimate;
+  }
+  NoteFamilies(view, *heading, &estimate);
+  if (!prior_heading) {
+    SayNo(CorridorStatus::kAmbiguous,
+          "either way along the corridor: no heading known before",
+          &estimate);
+    return estimate;
+  }
+  if (!corridor.width) {
+    JointPose pose;
+    pose.heading = heading->heading;
+    pose.covariance(1, 1) = heading->sigma * heading->sigma +
+                            options.pose.floor_rad * options.pose.floor_rad;
+    for (const CorridorLine& line : estimate.lines) {
+      pose.edges.push_back(line.edge);
+    }
+    NotePose(pose, &estimate);
+    SayNo(CorridorStatus::kUnknownSize,
+          "the corridor's width is not known: heading alone",
+          &estimate);
+  } else {
+    const JointPose pose = EstimateJointPose(
+        view, corridor, seen, *heading, LateralPriorOf(prior), options.pose);
+    NotePose(pose, &estimate);
+    estimate.status = CorridorStatus::kAccepted;
+    if (!pose.y) {
+      SayNo(is_at_end ? CorridorStatus::kEnds : CorridorStatus::kNoPosition,
+            pose.reason,
+            &estimate);
+    }
+  }
+  estimate.p_regular = RegularProbabilityOf(estimate, *prior, options.gate);
+  if (estimate.status == CorridorStatus::kAccepted &&
+      !(estimate.p_regular > options.gate.min_regular)) {
+    SayNo(CorridorStatus::kFaulty,
+          "too far from what was expected to be a regular answer",
+          &estimate);
+  }
+  return estimate;
+}
+
+CorridorTracker::CorridorTracker(const CameraView& camera,
+                                 const CorridorTrackerOptions& options)
+    : camera_(camera),
+      options_(options),
+      intrinsics_(PinholeOf(camera)),
+      view_{PerspectiveCamera(intrinsics_), camera.size},
+      extractor_(options.lines) {
+  options.Check();
+  if (!IsPinhole(camera)) {
+    remap_.emplace(view_, camera_, Eigen::Matrix3d::Identity());
+  }
+}
+
+CorridorEstimate CorridorTracker::Estimate(
+    const cv::Mat1b& image,
+    const Eigen::Isometry3d& X_RC,
+    const CorridorGeometry& corridor,
+    const std::optional<CorridorPrior>& prior) {
+  const cv::Mat1b seen = remap_ ? cv::Mat1b(remap_->Apply(image)) : image;
+  const LineSet lines = extractor_.Extract(seen);
+  CorridorEstimate estimate = EstimateCorridor(
+      {intrinsics_, view_.size, X_RC}, lines, corridor, prior, options_);
+  if (remap_) MoveToCamera(&estimate);
+  return estimate;
+}
+
+void CorridorTracker::MoveToCamera(CorridorEstimate* estimate) const {
+  const auto move = [this](const Eigen::Vector2d& pixel) {
+    const auto ray = RayFromPixel(view_.model, pixel);
+    return ray ? PixelFromRay(camera_.model, ray->ray) : std::nullopt;
+  };
+  for (CorridorLine& line : estimate->lines) {
+    const auto a = move(line.line.a);
+    const auto b = move(line.line.b);
+    if (!a || !b) continue;
+    line.line.a = a->pixel;
+    line.line.b = b->pixel;
+  }
+  if (!estimate->vanishing_point) return;
+  const auto point = move(*estimate->vanishing_point);
+  estimate->vanishing_point =
+      point ? std::optional(point->pixel) : std::nullopt;
+}
+
+}  // namespace waymark

@@ -1,0 +1,77 @@
+// From an image to the robot's place in a corridor.
+#pragma once
+
+#include "estimation/camera/image_remap.h"
+#include "estimation/corridor/axis_heading.h"
+#include "estimation/corridor/corridor_types.h"
+#include "estimation/corridor/corridor_view.h"
+#include "estimation/corridor/joint_pose.h"
+#include "estimation/filter/two_hypothesis_gate.h"
+#include "estimation/geometry/angle.h"
+#include "estimation/lines/line_extractor.h"
+
+#include <Eigen/Geometry>
+#include <opencv2/core/mat.hpp>
+
+#include <optional>
+
+namespace waymark {
+
+struct CorridorTrackerOptions {
+  LineExtractorOptions lines;
+  // Of the straight walls that lines are taken for, added to the lines' own.
+  double model_px = 0.15;
+  double model_rad = 0.0005;
+  AxisHeadingOptions heading;
+  JointPoseOptions pose;
+  GateOptions gate;
+  // A prior heading known worse than this does not choose a direction.
+  double max_prior_rad = RadiansFromDegrees(45.0);
+  // So near to the corridor's end, ahead, it counts as ending there.
+  double end_m = 1.0;
+
+  // Throws std::invalid_argument naming the first field out of range.
+  void Check() const;
+};
+
+// The pose from the lines of one view, and whether it is to be believed.
+// Pixels are those of the view. Deterministic.
+[[nodiscard]] CorridorEstimate EstimateCorridor(
+    const CorridorView& view,
+    const LineSet& lines,
+    const CorridorGeometry& corridor,
+    const std::optional<CorridorPrior>& prior,
+    const CorridorTrackerOptions& options);
+
+// The same for images of one camera, of any model: it is first brought to a
+// pinhole view that looks the same way. Keeps its buffers.
+class CorridorTracker {
+ public:
+  // Throws std::invalid_argument as options.Check() does, and where the camera
+  // does not see forward (a panorama).
+  CorridorTracker(const CameraView& camera,
+                  const CorridorTrackerOptions& options);
+
+  // `image`: of the camera's size. Lines and vanishing point of the result are
+  // in its pixels (a line's ends are; between them a lens may bend it).
+  [[nodiscard]] CorridorEstimate Estimate(
+      const cv::Mat1b& image,
+      const Eigen::Isometry3d& X_RC,
+      const CorridorGeometry& corridor,
+      const std::optional<CorridorPrior>& prior);
+
+  // What lines are looked for in.
+  [[nodiscard]] const CameraView& view() const { return view_; }
+
+ private:
+  void MoveToCamera(CorridorEstimate* estimate) const;
+
+  CameraView camera_;
+  CorridorTrackerOptions options_;
+  Intrinsics intrinsics_;
+  CameraView view_;
+  std::optional<ImageRemap> remap_;  // Absent: the camera is a pinhole.
+  LineExtractor extractor_;
+};
+
+}  // namespace waymark

@@ -1,0 +1,193 @@
+#include "estimation/corridor/corridor_tracker.h"
+
+#include "estimation/base/random.h"
+#include "estimation/geometry/angle.h"
+#include "tests/support/corridor_lines.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+CorridorGeometry Corridor() {
+  CorridorGeometry corridor;
+  corridor.width = 2.0;
+  corridor.height = 2.5;
+  corridor.skirting_height = 0.08;
+  corridor.x_min = 0.0;
+  corridor.x_max = 20.0;
+  return corridor;
+}
+
+CorridorPrior PriorAt(const Pose2& X_LR) {
+  return {X_LR, Eigen::Vector3d(0.04, 0.09, 0.01).asDiagonal()};
+}
+
+CorridorTrackerOptions ExactOptions() {
+  CorridorTrackerOptions options;
+  options.model_px = 0.0;
+  options.model_rad = 0.0;
+  return options;
+}
+
+TEST(EstimateCorridor, ExactLinesGiveExactPoses) {
+  CorridorLinesOptions see;
+  see.has_skirting = true;
+  see.has_clutter = true;
+  for (const double tilt_deg : {-8.0, 0.0, 12.0}) {
+    for (const double yaw_deg : {0.0, 15.0}) {
+      const CorridorView view = ViewForTests(RadiansFromDegrees(tilt_deg),
+                                             RadiansFromDegrees(yaw_deg));
+      for (const double heading_deg : {-25.0, -8.0, 0.0, 3.0, 17.0, 25.0}) {
+        for (const double y : {-0.6, -0.1, 0.0, 0.35, 0.7}) {
+          const Pose2 X_LR{0.0, y, RadiansFromDegrees(heading_deg - yaw_deg)};
+          const auto estimate =
+              EstimateCorridor(view,
+                               SeeCorridor(view, Corridor(), X_LR, see),
+                               Corridor(),
+                               PriorAt({0.0, y + 0.1, X_LR.heading - 0.05}),
+                               ExactOptions());
+          ASSERT_EQ(estimate.status, CorridorStatus::kAccepted)
+              << estimate.reason << " " << tilt_deg << " " << yaw_deg << " "
+              << heading_deg << " " << y;
+          EXPECT_NEAR(*estimate.y, y, 1e-9);
+          EXPECT_NEAR(*estimate.heading, X_LR.heading, 1e-9);
+        }
+      }
+    }
+  }
+}
+
+// The other way along the corridor, which looks the same.
+TEST(EstimateCorridor, ThePriorChoosesTheDirection) {
+  const CorridorView view = ViewForTests(0.1);
+  const Pose2 X_LR{20.0, 0.3, RadiansFromDegrees(172.0)};
+  const LineSet lines = SeeCorridor(view, Corridor(), X_LR, {});
+  const auto back =
+      EstimateCorridor(view, lines, Corridor(), PriorAt(X_LR), ExactOptions());
+  ASSERT_EQ(back.status, CorridorStatus::kAccepted) << back.reason;
+  EXPECT_NEAR(*back.heading, X_LR.heading, 1e-9);
+  EXPECT_NEAR(*back.y, 0.3, 1e-9);
+  // Turned by half a turn, the same lines are those of -y.
+  const auto there = EstimateCorridor(
+      view, lines, Corridor(), PriorAt({5.0, -0.3, -0.1}), ExactOptions());
+  ASSERT_EQ(there.status, CorridorStatus::kAccepted) << there.reason;
+  EXPECT_NEAR(*there.heading, RadiansFromDegrees(-8.0), 1e-9);
+  EXPECT_NEAR(*there.y, -0.3, 1e-9);
+  const auto nothing =
+      EstimateCorridor(view, lines, Corridor(), std::nullopt, ExactOptions());
+  EXPECT_EQ(nothing.status, CorridorStatus::kAmbiguous);
+  EXPECT_FALSE(nothing.heading);
+  EXPECT_TRUE(nothing.vanishing_point);
+}
+
+TEST(EstimateCorridor, MirroredLinesFlipTheSigns) {
+  CorridorView view = ViewForTests(0.1);
+  view.X_RC.translation().y() = 0.0;
+  const double middle = view.intrinsics.cx;
+  const Pose2 X_LR{0.0, 0.4, 0.2};
+  LineSet lines = SeeCorridor(view, Corridor(), X_LR, {});
+  for (LineSegment& segment : lines.segments) {
+    segment.a.x() = 2.0 * middle - segment.a.x();
+    segment.b.x() = 2.0 * middle - segment.b.x();
+  }
+  const auto estimate = EstimateCorridor(
+      view, lines, Corridor(), PriorAt({0.0, -0.4, -0.2}), ExactOptions());
+  ASSERT_EQ(estimate.status, CorridorStatus::kAccepted) << estimate.reason;
+  EXPECT_NEAR(*estimate.y, -0.4, 1e-9);
+  EXPECT_NEAR(*estimate.heading, -0.2, 1e-9);
+}
+
+TEST(EstimateCorridor, ErrorsAreAsLargeAsStated) {
+  const CorridorView view = ViewForTests(0.1);
+  CorridorTrackerOptions options = ExactOptions();
+  options.pose.floor_m = 1e-6;
+  options.pose.floor_rad = 1e-6;
+  CorridorLinesOptions see;
+  see.noise_px = 0.5;
+  see.sigma_px = 0.5;
+  Random random(7);
+  double sum = 0.0;
+  int num = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    see.seed = seed;
+    const Pose2 X_LR{0.0, random.Uniform(-0.7, 0.7), random.Uniform(-0.4, 0.4)};
+    const auto estimate =
+        EstimateCorridor(view,
+                         SeeCorridor(view, Corridor(), X_LR, see),
+                         Corridor(),
+                         PriorAt(X_LR),
+                         options);
+    if (estimate.status != CorridorStatus::kAccepted) continue;
+    const Eigen::Vector2d error(*estimate.y - X_LR.y,
+                                *estimate.heading - X_LR.heading);
+    sum += error.dot(estimate.covariance.inverse() * error);
+    ++num;
+  }
+  EXPECT_GT(num, 380);
+  // Chi-square of 2 num degrees, five sigmas: 2 num +- 5 sqrt(4 num). Weights
+  // that fall towards the gate take a little of the information away.
+  EXPECT_NEAR(sum, 2.0 * num, 5.0 * std::sqrt(4.0 * num));
+}
+
+TEST(EstimateCorridor, WhatIsFarFromThePriorIsFaulty) {
+  const CorridorView view = ViewForTests(0.1);
+  const Pose2 X_LR{0.0, 0.3, 0.1};
+  const LineSet lines = SeeCorridor(view, Corridor(), X_LR, {});
+  CorridorPrior prior = PriorAt({0.0, -0.3, 0.1});
+  prior.covariance = 1e-4 * Eigen::Matrix3d::Identity();
+  const auto estimate =
+      EstimateCorridor(view, lines, Corridor(), prior, ExactOptions());
+  EXPECT_EQ(estimate.status, CorridorStatus::kFaulty);
+  EXPECT_LT(estimate.p_regular, 0.01);
+  ASSERT_TRUE(estimate.y);
+  EXPECT_NEAR(*estimate.y, 0.3, 1e-9);
+}
+
+TEST(EstimateCorridor, UnknownSizeLeavesTheHeading) {
+  const CorridorView view = ViewForTests(0.1);
+  const Pose2 X_LR{0.0, 0.3, 0.1};
+  CorridorGeometry corridor = Corridor();
+  corridor.width.reset();
+  corridor.height.reset();
+  const auto estimate =
+      EstimateCorridor(view,
+                       SeeCorridor(view, Corridor(), X_LR, {}),
+                       corridor,
+                       PriorAt(X_LR),
+                       ExactOptions());
+  EXPECT_EQ(estimate.status, CorridorStatus::kUnknownSize);
+  EXPECT_FALSE(estimate.y);
+  EXPECT_NEAR(*estimate.heading, 0.1, 1e-9);
+  EXPECT_GT(estimate.covariance(1, 1), 0.0);
+}
+
+TEST(EstimateCorridor, WithoutLinesItSaysSo) {
+  const CorridorView view = ViewForTests(0.1);
+  const auto none = EstimateCorridor(
+      view, {}, Corridor(), PriorAt({0.0, 0.0, 0.0}), ExactOptions());
+  EXPECT_EQ(none.status, CorridorStatus::kNoLines);
+  EXPECT_FALSE(none.reason.empty());
+  // Lines at random are no corridor.
+  Random random(3);
+  LineSet lines;
+  for (int i = 0; i < 12; ++i) {
+    LineSegment segment;
+    segment.a = {random.Uniform(0.0, 639.0), random.Uniform(0.0, 479.0)};
+    segment.b = {random.Uniform(0.0, 639.0), random.Uniform(0.0, 479.0)};
+    segment.sigma_px = 0.3;
+    segment.sigma_rad = 0.003;
+    lines.segments.push_back(segment);
+  }
+  const auto random_lines =
+      EstimateCorridor(view, lines, Corridor(), PriorAt({0.0, 0.0, 0.0}), {});
+  EXPECT_FALSE(random_lines.y);
+  EXPECT_NE(random_lines.status, CorridorStatus::kAccepted);
+}
+
+}  // namespace
+}  // namespace waymark
