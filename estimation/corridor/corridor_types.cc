@@ -23,6 +23,7 @@ void CorridorGeometry::Check() const {
   CheckLength("width", width, 0.3, 50.0);
   CheckLength("height", height, 0.5, 50.0);
   CheckLength("skirting_height", skirting_height, 0.005, 1.0);
+  CheckLength("skirting_depth", skirting_depth, 0.0, 0.1);
   if (skirting_height && height && *skirting_height >= *height) {
     throw std::invalid_argument(
         "skirting_height: must be below the corridor's height");

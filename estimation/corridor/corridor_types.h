@@ -26,6 +26,8 @@ struct CorridorGeometry {
   std::optional<double> height;
   // Of a skirting board's upper edge, m. Absent: none, or not known.
   std::optional<double> skirting_height;
+  // How far such a board stands out from the wall, m: the floor ends there.
+  double skirting_depth = 0.0;
   double x_min = -1e3;  // Where it begins and ends, in L.
   double x_max = 1e3;
   Pose2 X_WL;

@@ -95,14 +95,17 @@ std::optional<Eigen::Vector2d> PlaceOf(CorridorEdge edge,
                                        const CorridorGeometry& corridor) {
   if (!corridor.width) return std::nullopt;
   const double half = 0.5 * *corridor.width;
+  // The floor ends where the board begins, which hides the wall's foot.
+  const double foot =
+      half - (corridor.skirting_height ? corridor.skirting_depth : 0.0);
   const auto at = [](double y, const std::optional<double>& z) {
     return z ? std::optional(Eigen::Vector2d(y, *z)) : std::nullopt;
   };
   switch (edge) {
     case CorridorEdge::kFloorLeft:
-      return at(half, 0.0);
+      return at(foot, 0.0);
     case CorridorEdge::kFloorRight:
-      return at(-half, 0.0);
+      return at(-foot, 0.0);
     case CorridorEdge::kCeilingLeft:
       return at(half, corridor.height);
     case CorridorEdge::kCeilingRight:

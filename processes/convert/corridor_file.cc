@@ -25,6 +25,8 @@ CorridorGeometry CorridorOf(YamlGroup* group) {
   corridor.width = group->Number("width", {0.3, 50.0});
   corridor.height = group->Number("height", {0.5, 50.0});
   corridor.skirting_height = group->Number("skirting_height", {0.005, 1.0});
+  corridor.skirting_depth =
+      group->Number("skirting_depth", {0.0, 0.1}).value_or(0.0);
   if (const auto x = group->Numbers("x", 2, kPlace)) {
     corridor.x_min = (*x)[0];
     corridor.x_max = (*x)[1];

@@ -15,6 +15,7 @@ namespace waymark {
 //       width: 2.0             # Between the walls, m; left out: not known
 //       height: 2.5            # Floor to ceiling, m; left out: not known
 //       skirting_height: 0.08  # Of the boards' upper edge, m; left out: none
+//       skirting_depth: 0.012  # How far they stand out from the wall, m (0)
 //       x: [0, 20]             # Where it begins and ends along its axis, m
 //       axis_W: [0, 1, 0]      # A point midway between the walls, x and y in
 //                              # m, where x is 0, and the axis' direction, deg

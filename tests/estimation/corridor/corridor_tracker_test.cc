@@ -189,5 +189,21 @@ TEST(EstimateCorridor, WithoutLinesItSaysSo) {
   EXPECT_NE(random_lines.status, CorridorStatus::kAccepted);
 }
 
+// What stands out from the wall hides its foot, on both sides alike.
+TEST(CorridorView, FloorEndsAtSkirtingBoard) {
+  CorridorGeometry corridor = Corridor();
+  const auto y_of = [&](CorridorEdge edge) {
+    return PlaceOf(edge, corridor).value().x();
+  };
+  const double wall = y_of(CorridorEdge::kSkirtingLeft);
+  EXPECT_EQ(y_of(CorridorEdge::kFloorLeft), wall);
+  corridor.skirting_depth = 0.02;
+  EXPECT_DOUBLE_EQ(y_of(CorridorEdge::kFloorLeft), wall - 0.02);
+  EXPECT_DOUBLE_EQ(y_of(CorridorEdge::kFloorRight), 0.02 - wall);
+  EXPECT_EQ(y_of(CorridorEdge::kSkirtingLeft), wall);
+  corridor.skirting_height.reset();
+  EXPECT_EQ(y_of(CorridorEdge::kFloorLeft), wall);
+}
+
 }  // namespace
 }  // namespace waymark

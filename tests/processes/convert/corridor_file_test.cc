@@ -24,7 +24,8 @@ TEST(CorridorFile, SaysWhatIsKnown) {
   const auto corridors = CorridorsFromYaml(
       "corridors:\n"
       "  - {name: a, width: 2, height: 2.5, x: [1, 20], axis_W: [3, 4, 90]}\n"
-      "  - {name: b, skirting_height: 0.1, axis_W: [0, 1, -30]}\n",
+      "  - {name: b, skirting_height: 0.1, skirting_depth: 0.02,\n"
+      "     axis_W: [0, 1, -30]}\n",
       "c.yaml");
   ASSERT_EQ(corridors.size(), 2U);
   EXPECT_EQ(corridors[0].name, "a");
@@ -35,6 +36,8 @@ TEST(CorridorFile, SaysWhatIsKnown) {
   EXPECT_EQ(corridors[0].x_max, 20.0);
   EXPECT_EQ(corridors[0].X_WL.y, 4.0);
   EXPECT_DOUBLE_EQ(corridors[0].X_WL.heading, RadiansFromDegrees(90.0));
+  EXPECT_EQ(corridors[0].skirting_depth, 0.0);
+  EXPECT_EQ(corridors[1].skirting_depth, 0.02);
   EXPECT_FALSE(corridors[1].width);
   EXPECT_FALSE(corridors[1].height);
 }
