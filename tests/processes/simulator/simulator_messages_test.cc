@@ -61,8 +61,8 @@ TEST(SimulatorMessages, EncodersAreTheLastOfTheirTime) {
                                       TruthEvent{kTime, {}},
                                       EncoderEvent{later},
                                       TruthEvent{later, {}},
-                                      CameraEvent{later, 0, {}, {}},
-                                      CameraEvent{later, 1, {}, {}}};
+                                      CameraEvent{later, 0, {}, 0.0, {}},
+                                      CameraEvent{later, 1, {}, 0.0, {}}};
   SortForSending(&events);
   std::string kinds;
   for (const SimulationEvent& event : events) {
