@@ -40,7 +40,7 @@ void Vote(const LineHeading& line, double share, Votes* votes) {
 }
 
 // Robust: a prior may be wrong altogether.
-double LogPrior(double heading, const HeadingPrior& prior) {
+double LogPrior(double heading, const AxisPrior& prior) {
   const double sigma = std::hypot(prior.sigma, 0.01);
   // Modulo pi.
   const double off = std::remainder(heading - prior.heading, kPi) / sigma;
@@ -93,7 +93,7 @@ void AxisHeadingOptions::Check() const {
 std::optional<AxisHeading> EstimateAxisHeading(
     const CorridorView& view,
     std::span<const SeenLine> lines,
-    const std::optional<HeadingPrior>& prior,
+    const std::optional<AxisPrior>& prior,
     const AxisHeadingOptions& options) {
   Votes votes{};
   for (const SeenLine& line : lines) {

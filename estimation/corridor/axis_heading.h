@@ -34,7 +34,7 @@ struct AxisHeading {
   std::vector<LineFamily> families;  // Of each line.
 };
 
-struct HeadingPrior {
+struct AxisPrior {
   double heading = 0.0;
   double sigma = 0.0;
 };
@@ -57,7 +57,7 @@ struct HeadingPrior {
 [[nodiscard]] std::optional<AxisHeading> EstimateAxisHeading(
     const CorridorView& view,
     std::span<const SeenLine> lines,
-    const std::optional<HeadingPrior>& prior,
+    const std::optional<AxisPrior>& prior,
     const AxisHeadingOptions& options);
 
 }  // namespace waymark

@@ -35,12 +35,12 @@ bool IsPinhole(const CameraView& camera) {
   return lens != nullptr && lens->distortion() == LensDistortion{};
 }
 
-std::optional<HeadingPrior> HeadingPriorOf(
+std::optional<AxisPrior> HeadingPriorOf(
     const std::optional<CorridorPrior>& prior, double max_sigma) {
   if (!prior) return std::nullopt;
   const double sigma = std::sqrt(prior->covariance(2, 2));
   if (!(sigma < max_sigma)) return std::nullopt;
-  return HeadingPrior{prior->X_LR.heading, sigma};
+  return AxisPrior{prior->X_LR.heading, sigma};
 }
 
 std::optional<LateralPrior> LateralPriorOf(

@@ -86,6 +86,11 @@ std::vector<Candidate> CandidatesOf(const CorridorView& view,
   return candidates;
 }
 
+std::size_t IndexOf(CorridorEdge edge) {
+  return static_cast<std::size_t>(
+      std::find(kEdges.begin(), kEdges.end(), edge) - kEdges.begin());
+}
+
 // Logarithm of the likelihood of a position over that of lines at random.
 class Evidence {
  public:
@@ -97,23 +102,32 @@ class Evidence {
         prior_(prior),
         width_(width),
         odds_(options.edge_share / (1.0 - options.edge_share)),
+        max_edge_(options.max_edge_evidence),
         scatter_m_(options.scatter_m) {}
 
   [[nodiscard]] double At(double y) const {
-    double sum = prior_ ? LogPrior(y) : 0.0;
-    // Candidates of one line stand together.
+    std::array<double, kEdges.size()> of_edge{};
+    // Candidates of one line stand together; it counts for its likeliest edge.
     for (std::size_t i = 0; i < candidates_.size();) {
       const std::size_t line = candidates_[i].line;
       double likelihood = 0.0;
+      double most = 0.0;
+      CorridorEdge edge = kEdges[0];
       for (; i < candidates_.size() && candidates_[i].line == line; ++i) {
         const double sigma = std::hypot(candidates_[i].sigma, scatter_m_);
         const double off = (y - candidates_[i].y) / sigma;
         if (std::abs(off) > 6.0) continue;
-        likelihood += std::exp(-0.5 * off * off) * width_ /
-                      (sigma * std::sqrt(2.0 * kPi));
+        const double own = std::exp(-0.5 * off * off) * width_ /
+                           (sigma * std::sqrt(2.0 * kPi));
+        likelihood += own;
+        if (own <= most) continue;
+        most = own;
+        edge = candidates_[i].edge;
       }
-      sum += std::log1p(odds_ * likelihood);
+      of_edge[IndexOf(edge)] += std::log1p(odds_ * likelihood);
     }
+    double sum = prior_ ? LogPrior(y) : 0.0;
+    for (const double evidence : of_edge) sum += std::min(evidence, max_edge_);
     return sum;
   }
 
@@ -132,6 +146,7 @@ class Evidence {
   std::optional<LateralPrior> prior_;
   double width_;
   double odds_;
+  double max_edge_;
   double scatter_m_;
 };
 
@@ -308,6 +323,7 @@ void JointPoseOptions::Check() const {
   require(edge_share > 0.0 && edge_share < 1.0, "edge_share: in (0, 1)");
   require(step_m >= 1e-4 && step_m <= 0.1, "step_m: in [0.0001, 0.1]");
   require(max_sigmas > 0.0, "max_sigmas: must be positive");
+  require(max_edge_evidence > 0.0, "max_edge_evidence: must be positive");
   require(scatter_m > 0.0, "scatter_m: must be positive");
   require(floor_m > 0.0, "floor_m: must be positive");
   require(floor_rad > 0.0, "floor_rad: must be positive");

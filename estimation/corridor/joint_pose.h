@@ -17,8 +17,11 @@ namespace waymark {
 struct JointPoseOptions {
   // Share of the lines along a corridor that are one of its known edges.
   double edge_share = 0.5;
-  double step_m = 0.005;      // Positions are looked at in such steps.
-  double max_sigmas = 3.5;    // A line farther off is not of that edge.
+  double step_m = 0.005;    // Positions are looked at in such steps.
+  double max_sigmas = 3.5;  // A line farther off is not of that edge.
+  // Of one edge, however many lines it is seen in: a course of bricks has many
+  // more than a skirting board.
+  double max_edge_evidence = 8.0;
   double min_evidence = 8.0;  // Over lines at random.
   // Another position as good as that, beyond exp(margin), makes it ambiguous.
   double min_margin = 4.0;
