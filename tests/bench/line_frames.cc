@@ -4,6 +4,7 @@
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/scene_edges.h"
 #include "estimation/base/random.h"
+#include "estimation/geometry/angle.h"
 #include "processes/convert/world_file.h"
 #include "tests/support/real_data.h"
 
@@ -162,6 +163,60 @@ std::vector<LineFrame> RenderedLineFrames(int num_per_world) {
   return frames;
 }
 
+std::vector<LineFrame> CorridorFrames(int num_per_world) {
+  struct Corridor {
+    std::string name;
+    double length;    // Along W's x, m.
+    double centre_y;  // Between its walls, m.
+  };
+  constexpr double kReachY = 0.6;  // Of the robot's centre to either side.
+  constexpr double kMaxYaw = 0.436;
+  constexpr double kTilt = 0.087;
+  constexpr double kMaxRoll = 0.05;
+  const CameraView view{PerspectiveCamera({kCorridorView.fx,
+                                           kCorridorView.fy,
+                                           kCorridorView.cx,
+                                           kCorridorView.cy}),
+                        {640, 480}};
+  const CameraRays rays(view);
+  std::vector<LineFrame> frames;
+  for (const Corridor& corridor : {Corridor{"corridor_plain", 20.0, 1.0},
+                                   Corridor{"corridor_textured", 20.0, 1.0},
+                                   Corridor{"corridor_office", 24.0, 1.1},
+                                   Corridor{"corridor_mouth", 14.0, 0.95}}) {
+    const World world = LoadWorldFile(FindWorldFile(corridor.name));
+    const Scene scene = BuildScene(world);
+    const Renderer renderer(scene);
+    Random random(SeedFor(2, corridor.name));
+    // People stand in a corner of the building, behind its walls.
+    const std::vector<Eigen::Isometry3d> X_WP(scene.movers.size(),
+                                              Eigen::Isometry3d::Identity());
+    for (int i = 0; i < num_per_world;) {
+      const Vector2d at(random.Uniform(0.5, corridor.length - 0.5),
+                        corridor.centre_y + random.Uniform(-kReachY, kReachY));
+      const bool is_free = std::all_of(world.furniture.begin(),
+                                       world.furniture.end(),
+                                       [&](const auto& thing) {
+                                         return (thing.at - at).norm() >
+                                                0.5 * thing.size.norm() + 0.25;
+                                       });
+      if (!is_free) continue;
+      const double turn = random.Uniform() < 0.5 ? 0.0 : kPi;
+      Eigen::Isometry3d X_WC = LevelPose(
+          {at.x(), at.y(), 0.6}, turn + random.Uniform(-kMaxYaw, kMaxYaw));
+      X_WC.rotate(Eigen::AngleAxisd(-kTilt, Eigen::Vector3d::UnitX()));
+      X_WC.rotate(Eigen::AngleAxisd(random.Uniform(-kMaxRoll, kMaxRoll),
+                                    Eigen::Vector3d::UnitZ()));
+      frames.push_back(
+          {corridor.name + " " + std::to_string(i++),
+           GreyWithNoise(renderer.Render(rays, X_WC, X_WP).image, &random),
+           {},
+           X_WC.linear()});
+    }
+  }
+  return frames;
+}
+
 std::vector<LineFrame> YorkFrames(int num) {
   std::vector<LineFrame> frames;
   const std::string folder = RealDataFolder("york_urban_vp");
@@ -175,7 +230,8 @@ std::vector<LineFrame> YorkFrames(int num) {
   for (const auto& file : files) {
     if (static_cast<int>(frames.size()) == num) break;
     const cv::Mat1b image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-    if (!image.empty()) frames.push_back({file.stem().string(), image, {}});
+    if (image.empty()) continue;
+    frames.push_back({file.stem().string(), image, {}});
   }
   return frames;
 }

@@ -1,6 +1,7 @@
 // Images with known lines, and how well segments match them.
 #pragma once
 
+#include "estimation/lines/line_direction.h"
 #include "estimation/lines/line_types.h"
 
 #include <Eigen/Core>
@@ -20,12 +21,19 @@ struct LineFrame {
   std::string name;
   cv::Mat1b image;
   std::vector<TrueEdge> edges;  // All that are seen; none of photographs.
+  // Of the camera in the world, where it is known.
+  Eigen::Matrix3d R_WC = Eigen::Matrix3d::Identity();
 };
 
 // 640 x 480 views along corridors, of a pinhole camera of f = 400 px with noise
 // of 1.5 grey levels, and the exact lines in them. Surfaces are plain: lines
 // drawn on them are no edges of the scene and would count as wrong.
 [[nodiscard]] std::vector<LineFrame> RenderedLineFrames(int num_per_world);
+// Views along the simulator's four corridors, whose axes are W's x, with all
+// that is drawn on their walls: robots between the walls, turned by up to 25
+// degrees, their cameras 5 degrees down and rolled by up to 3. No edges.
+inline constexpr PinholeView kCorridorView{457.0, 457.0, 319.5, 239.5};
+[[nodiscard]] std::vector<LineFrame> CorridorFrames(int num_per_world);
 // The York Urban photographs; none where the recordings are not there.
 [[nodiscard]] std::vector<LineFrame> YorkFrames(int num);
 
