@@ -119,12 +119,52 @@ void NotePose(const JointPose& pose, CorridorEstimate* estimate) {
   }
 }
 
+std::optional<AxisHeading> FindHeading(const CorridorView& view,
+                                       const LineSet& lines,
+                                       const std::vector<SeenLine>& seen,
+                                       const std::optional<AxisPrior>& prior,
+                                       const CorridorTrackerOptions& options) {
+  if (options.method == CorridorMethod::kPaper) {
+    return EstimatePaperHeading(
+        view, lines.segments, seen, prior, options.paper);
+  }
+  return EstimateAxisHeading(view, seen, prior, options.heading);
+}
+
+JointPose FindPose(const CorridorView& view,
+                   const CorridorGeometry& corridor,
+                   const std::vector<SeenLine>& seen,
+                   const AxisHeading& heading,
+                   const std::optional<CorridorPrior>& prior,
+                   const CorridorTrackerOptions& options) {
+  if (options.method == CorridorMethod::kPaper) {
+    return EstimatePaperPose(view, corridor, seen, heading, options.paper);
+  }
+  return EstimateJointPose(
+      view, corridor, seen, heading, LateralPriorOf(prior), options.pose);
+}
+
+// The heading alone, with what remains of its error however many lines agree.
+JointPose PoseWithoutPosition(const AxisHeading& heading,
+                              const std::vector<CorridorLine>& lines,
+                              const CorridorTrackerOptions& options) {
+  const bool is_joint = options.method == CorridorMethod::kJoint;
+  JointPose pose;
+  pose.heading = heading.heading;
+  const double sigma =
+      std::hypot(heading.sigma, is_joint ? options.pose.floor_rad : 0.0);
+  pose.covariance(1, 1) = sigma * sigma;
+  for (const CorridorLine& line : lines) pose.edges.push_back(line.edge);
+  return pose;
+}
+
 }  // namespace
 
 void CorridorTrackerOptions::Check() const {
   lines.Check();
   heading.Check();
   pose.Check();
+  paper.Check();
   const auto require = [](bool is_good, const char* what) {
     if (!is_good) throw std::invalid_argument(what);
   };
@@ -151,8 +191,7 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
   }
   const bool is_at_end = IsAtEnd(corridor, prior, options.end_m);
   const auto prior_heading = HeadingPriorOf(prior, options.max_prior_rad);
-  const auto heading =
-      EstimateAxisHeading(view, seen, prior_heading, options.heading);
+  const auto heading = FindHeading(view, lines, seen, prior_heading, options);
   if (!heading) {
     SayNo(is_at_end ? CorridorStatus::kEnds : CorridorStatus::kNoVanishingPoint,
           is_at_end ? "the corridor ends ahead"
@@ -168,20 +207,13 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
     return estimate;
   }
   if (!corridor.width) {
-    JointPose pose;
-    pose.heading = heading->heading;
-    pose.covariance(1, 1) = heading->sigma * heading->sigma +
-                            options.pose.floor_rad * options.pose.floor_rad;
-    for (const CorridorLine& line : estimate.lines) {
-      pose.edges.push_back(line.edge);
-    }
-    NotePose(pose, &estimate);
+    NotePose(PoseWithoutPosition(*heading, estimate.lines, options), &estimate);
     SayNo(CorridorStatus::kUnknownSize,
           "the corridor's width is not known: heading alone",
           &estimate);
   } else {
-    const JointPose pose = EstimateJointPose(
-        view, corridor, seen, *heading, LateralPriorOf(prior), options.pose);
+    const JointPose pose =
+        FindPose(view, corridor, seen, *heading, prior, options);
     NotePose(pose, &estimate);
     estimate.status = CorridorStatus::kAccepted;
     if (!pose.y) {

@@ -6,6 +6,7 @@
 #include "estimation/corridor/corridor_types.h"
 #include "estimation/corridor/corridor_view.h"
 #include "estimation/corridor/joint_pose.h"
+#include "estimation/corridor/paper_pose.h"
 #include "estimation/filter/two_hypothesis_gate.h"
 #include "estimation/geometry/angle.h"
 #include "estimation/lines/line_extractor.h"
@@ -17,13 +18,20 @@
 
 namespace waymark {
 
+enum class CorridorMethod {
+  kJoint,  // Heading and position together, errors from the lines' own.
+  kPaper,  // One after the other with constant errors, as published.
+};
+
 struct CorridorTrackerOptions {
+  CorridorMethod method = CorridorMethod::kJoint;
   LineExtractorOptions lines;
   // Of the straight walls that lines are taken for, added to the lines' own.
   double model_px = 0.15;
   double model_rad = 0.0005;
-  AxisHeadingOptions heading;
+  AxisHeadingOptions heading;  // For kJoint.
   JointPoseOptions pose;
+  PaperPoseOptions paper;  // For kPaper.
   GateOptions gate;
   // A prior heading known worse than this does not choose a direction.
   double max_prior_rad = RadiansFromDegrees(45.0);

@@ -17,6 +17,12 @@ void CorridorTrackerConfig::Describe(Describer& d) {
          "empty: as CAMERA_INFO_<camera> says");
   d.Text(
       "corridors", &corridors, "Corridor file, or one that comes with Waymark");
+  d.Choice<CorridorMethod>(
+      "method",
+      &tracker.method,
+      {{"joint", CorridorMethod::kJoint}, {"paper", CorridorMethod::kPaper}},
+      "Heading and position together, or one after the "
+      "other with constant errors, as published");
   d.Group(
       "lines",
       [&] {
