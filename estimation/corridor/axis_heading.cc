@@ -108,6 +108,12 @@ std::optional<AxisHeading> EstimateAxisHeading(
   AxisHeading result;
   for (int i = 0; i < kNumBins; ++i) {
     const double heading = (i + 0.5) * kBin - 0.5 * kPi;
+    // Nearer to across than to along: the prior tells the two apart, however
+    // many lines a tiled floor has.
+    if (prior &&
+        std::abs(std::remainder(heading - prior->heading, kPi)) > 0.25 * kPi) {
+      continue;
+    }
     const double evidence = votes[static_cast<std::size_t>(i)];
     const double score = evidence + (prior ? LogPrior(heading, *prior) : 0.0);
     if (score <= best_score) continue;

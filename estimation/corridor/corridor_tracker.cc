@@ -46,7 +46,10 @@ std::optional<AxisPrior> HeadingPriorOf(
 std::optional<LateralPrior> LateralPriorOf(
     const std::optional<CorridorPrior>& prior) {
   if (!prior) return std::nullopt;
-  return LateralPrior{prior->X_LR.y, std::sqrt(prior->covariance(1, 1))};
+  return LateralPrior{prior->X_LR.y,
+                      std::sqrt(prior->covariance(1, 1)),
+                      prior->X_LR.x,
+                      std::sqrt(prior->covariance(0, 0))};
 }
 
 // Whether the corridor ends within `end_m` in front of the robot.

@@ -4,6 +4,7 @@
 #include "estimation/corridor/axis_heading.h"
 #include "estimation/corridor/corridor_types.h"
 #include "estimation/corridor/corridor_view.h"
+#include "estimation/corridor/edge_evidence.h"
 
 #include <Eigen/Core>
 
@@ -15,20 +16,12 @@
 namespace waymark {
 
 struct JointPoseOptions {
-  // Share of the lines along a corridor that are one of its known edges.
-  double edge_share = 0.5;
-  double step_m = 0.005;    // Positions are looked at in such steps.
-  double max_sigmas = 3.5;  // A line farther off is not of that edge.
-  // Of one edge, however many lines it is seen in: a course of bricks has many
-  // more than a skirting board.
-  double max_edge_evidence = 8.0;
-  double min_evidence = 8.0;  // Over lines at random.
+  EdgeEvidenceOptions evidence;
+  double min_evidence = 5.0;  // Logarithm, over lines at random.
   // Another position as good as that, beyond exp(margin), makes it ambiguous.
   double min_margin = 4.0;
   double min_seen_px = 100.0;  // Of edges, all together.
   int min_edges = 2;           // Different ones.
-  // Candidates of one edge scatter by so much besides.
-  double scatter_m = 0.003;
   // What remains however many lines agree, and is much the same from image to
   // image: walls are not straight, cameras not mounted quite as stated.
   double floor_m = 0.01;
@@ -37,11 +30,6 @@ struct JointPoseOptions {
 
   // Throws std::invalid_argument naming the first field out of range.
   void Check() const;
-};
-
-struct LateralPrior {
-  double y = 0.0;
-  double sigma = 0.0;
 };
 
 struct JointPose {
@@ -55,10 +43,10 @@ struct JointPose {
 
 // Every line along the corridor is one of its known edges, in the quadrant
 // about the vanishing point where it lies [1, section III.C], or none of them.
-// The likelihood of each position is looked at over the whole width; the best
-// must stand out from all others; position and heading are then refined
-// together from offsets and directions of all lines (least squares with Tukey's
-// weights), and so is their covariance.
+// The position that explains them best (see edge_evidence.h) must stand out
+// from all others; position and heading are then refined together from offsets
+// and directions of all lines (least squares with Tukey's weights), and so is
+// their covariance.
 //
 //   heading   of all lines, with their families.
 //

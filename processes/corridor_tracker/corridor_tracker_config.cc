@@ -67,6 +67,19 @@ void CorridorTrackerConfig::Describe(Describer& d) {
                  &tracker.pose.min_margin,
                  kNotNegative,
                  "by which it stands out from any other position");
+        d.Number("floor_missing",
+                 &tracker.pose.evidence.floor_missing,
+                 kShare,
+                 "Share of the floor's edges and skirting boards in view on "
+                 "which no line is found");
+        d.Number("ceiling_missing",
+                 &tracker.pose.evidence.ceiling_missing,
+                 kShare,
+                 "and of the ceiling's, often as bright as the wall");
+        d.Number("reach_m",
+                 &tracker.pose.evidence.reach_m,
+                 kPositive,
+                 "So far away edges are looked at");
         d.Number("floor_m",
                  &tracker.pose.floor_m,
                  kPositive,

@@ -23,6 +23,13 @@ CorridorGeometry Corridor() {
   return corridor;
 }
 
+// Without a skirting board.
+CorridorGeometry BareCorridor() {
+  CorridorGeometry corridor = Corridor();
+  corridor.skirting_height.reset();
+  return corridor;
+}
+
 CorridorPrior PriorAt(const Pose2& X_LR) {
   return {X_LR, Eigen::Vector3d(0.04, 0.09, 0.01).asDiagonal()};
 }
@@ -65,21 +72,21 @@ TEST(EstimateCorridor, ExactLinesGiveExactPoses) {
 // The other way along the corridor, which looks the same.
 TEST(EstimateCorridor, ThePriorChoosesTheDirection) {
   const CorridorView view = ViewForTests(0.1);
-  const Pose2 X_LR{20.0, 0.3, RadiansFromDegrees(172.0)};
-  const LineSet lines = SeeCorridor(view, Corridor(), X_LR, {});
-  const auto back =
-      EstimateCorridor(view, lines, Corridor(), PriorAt(X_LR), ExactOptions());
+  const Pose2 X_LR{16.0, 0.3, RadiansFromDegrees(172.0)};
+  const LineSet lines = SeeCorridor(view, BareCorridor(), X_LR, {});
+  const auto back = EstimateCorridor(
+      view, lines, BareCorridor(), PriorAt(X_LR), ExactOptions());
   ASSERT_EQ(back.status, CorridorStatus::kAccepted) << back.reason;
   EXPECT_NEAR(*back.heading, X_LR.heading, 1e-9);
   EXPECT_NEAR(*back.y, 0.3, 1e-9);
   // Turned by half a turn, the same lines are those of -y.
   const auto there = EstimateCorridor(
-      view, lines, Corridor(), PriorAt({5.0, -0.3, -0.1}), ExactOptions());
+      view, lines, BareCorridor(), PriorAt({5.0, -0.3, -0.1}), ExactOptions());
   ASSERT_EQ(there.status, CorridorStatus::kAccepted) << there.reason;
   EXPECT_NEAR(*there.heading, RadiansFromDegrees(-8.0), 1e-9);
   EXPECT_NEAR(*there.y, -0.3, 1e-9);
-  const auto nothing =
-      EstimateCorridor(view, lines, Corridor(), std::nullopt, ExactOptions());
+  const auto nothing = EstimateCorridor(
+      view, lines, BareCorridor(), std::nullopt, ExactOptions());
   EXPECT_EQ(nothing.status, CorridorStatus::kAmbiguous);
   EXPECT_FALSE(nothing.heading);
   EXPECT_TRUE(nothing.vanishing_point);
@@ -90,13 +97,13 @@ TEST(EstimateCorridor, MirroredLinesFlipTheSigns) {
   view.X_RC.translation().y() = 0.0;
   const double middle = view.intrinsics.cx;
   const Pose2 X_LR{0.0, 0.4, 0.2};
-  LineSet lines = SeeCorridor(view, Corridor(), X_LR, {});
+  LineSet lines = SeeCorridor(view, BareCorridor(), X_LR, {});
   for (LineSegment& segment : lines.segments) {
     segment.a.x() = 2.0 * middle - segment.a.x();
     segment.b.x() = 2.0 * middle - segment.b.x();
   }
   const auto estimate = EstimateCorridor(
-      view, lines, Corridor(), PriorAt({0.0, -0.4, -0.2}), ExactOptions());
+      view, lines, BareCorridor(), PriorAt({0.0, -0.4, -0.2}), ExactOptions());
   ASSERT_EQ(estimate.status, CorridorStatus::kAccepted) << estimate.reason;
   EXPECT_NEAR(*estimate.y, -0.4, 1e-9);
   EXPECT_NEAR(*estimate.heading, -0.2, 1e-9);
@@ -118,8 +125,8 @@ TEST(EstimateCorridor, ErrorsAreAsLargeAsStated) {
     const Pose2 X_LR{0.0, random.Uniform(-0.7, 0.7), random.Uniform(-0.4, 0.4)};
     const auto estimate =
         EstimateCorridor(view,
-                         SeeCorridor(view, Corridor(), X_LR, see),
-                         Corridor(),
+                         SeeCorridor(view, BareCorridor(), X_LR, see),
+                         BareCorridor(),
                          PriorAt(X_LR),
                          options);
     if (estimate.status != CorridorStatus::kAccepted) continue;
@@ -137,11 +144,11 @@ TEST(EstimateCorridor, ErrorsAreAsLargeAsStated) {
 TEST(EstimateCorridor, WhatIsFarFromThePriorIsFaulty) {
   const CorridorView view = ViewForTests(0.1);
   const Pose2 X_LR{0.0, 0.3, 0.1};
-  const LineSet lines = SeeCorridor(view, Corridor(), X_LR, {});
+  const LineSet lines = SeeCorridor(view, BareCorridor(), X_LR, {});
   CorridorPrior prior = PriorAt({0.0, -0.3, 0.1});
   prior.covariance = 1e-4 * Eigen::Matrix3d::Identity();
   const auto estimate =
-      EstimateCorridor(view, lines, Corridor(), prior, ExactOptions());
+      EstimateCorridor(view, lines, BareCorridor(), prior, ExactOptions());
   EXPECT_EQ(estimate.status, CorridorStatus::kFaulty);
   EXPECT_LT(estimate.p_regular, 0.01);
   ASSERT_TRUE(estimate.y);
