@@ -31,6 +31,10 @@ ImageRemap::ImageRemap(const CameraView& to,
       seen_.at<std::uint8_t>(v, u) = 255;
     }
   }
+  unseen_ = seen_ == 0;
+  has_unseen_ = cv::countNonZero(unseen_) > 0;
+  // What cv::remap does with maps of floats for every image anew.
+  cv::convertMaps(x_, y_, whole_, fraction_, CV_16SC2);
 }
 
 cv::Mat ImageRemap::Apply(const cv::Mat& image) const {
@@ -40,8 +44,9 @@ cv::Mat ImageRemap::Apply(const cv::Mat& image) const {
   // Half a pixel beyond the outermost centres is still inside, so the edge is
   // repeated there; what is nowhere is blanked afterwards.
   cv::Mat result;
-  cv::remap(image, result, x_, y_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  result.setTo(cv::Scalar::all(0.0), seen_ == 0);
+  cv::remap(
+      image, result, whole_, fraction_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  if (has_unseen_) result.setTo(cv::Scalar::all(0.0), unseen_);
   return result;
 }
 

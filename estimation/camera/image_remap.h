@@ -39,6 +39,11 @@ class ImageRemap {
   cv::Mat x_;
   cv::Mat y_;
   cv::Mat seen_;
+  cv::Mat unseen_;
+  bool has_unseen_ = false;
+  // The same maps in steps of 1/32 px, the steps of cv::remap.
+  cv::Mat whole_;
+  cv::Mat fraction_;
 };
 
 }  // namespace waymark

@@ -19,25 +19,55 @@ constexpr double kMaxSigma = 0.2;
 // Half a bin, so that no peak falls between two.
 constexpr double kMinSigma = 0.6 * kBin;
 
-using Votes = std::array<double, kNumBins>;
+// Likelihoods of all lines over those at random, bin by bin, as products: one
+// multiplication a line instead of a logarithm.
+class Votes {
+ public:
+  Votes() { products_.fill(1.0); }
 
-// Logarithm of the likelihood of a line about its heading, over that at random.
-void Vote(const LineHeading& line, double share, Votes* votes) {
-  if (!(line.sigma < kMaxSigma)) return;
-  const double sigma = std::max(line.sigma, kMinSigma);
-  const double scale =
-      share / (1.0 - share) * kPi / (sigma * std::sqrt(2.0 * kPi));
-  const int reach = static_cast<int>(std::ceil(4.0 * sigma / kBin));
-  const int middle =
-      static_cast<int>(std::floor((line.heading + 0.5 * kPi) / kBin));
-  for (int i = middle - reach; i <= middle + reach; ++i) {
-    const double at = (i + 0.5) * kBin - 0.5 * kPi;
-    const double off = (at - line.heading) / sigma;
-    (*votes)[static_cast<std::size_t>(((i % kNumBins) + kNumBins) %
-                                      kNumBins)] +=
-        std::log1p(scale * std::exp(-0.5 * off * off));
+  // A line about its heading.
+  void Add(const LineHeading& line, double share) {
+    if (!(line.sigma < kMaxSigma)) return;
+    const double sigma = std::max(line.sigma, kMinSigma);
+    const double scale =
+        share / (1.0 - share) * kPi / (sigma * std::sqrt(2.0 * kPi));
+    const int reach = static_cast<int>(std::ceil(4.0 * sigma / kBin));
+    const int middle =
+        static_cast<int>(std::floor((line.heading + 0.5 * kPi) / kBin));
+    // exp(-u^2 / 2) in equal steps du of u: each value is the one before times
+    // a ratio, which itself changes by exp(-du^2).
+    const double du = kBin / sigma;
+    const double u =
+        ((middle - reach + 0.5) * kBin - 0.5 * kPi - line.heading) / sigma;
+    double value = scale * std::exp(-0.5 * u * u);
+    double ratio = std::exp(-du * (u + 0.5 * du));
+    const double change = std::exp(-du * du);
+    int bin = ((middle - reach) % kNumBins + kNumBins) % kNumBins;
+    for (int i = 0; i <= 2 * reach; ++i) {
+      Multiply(static_cast<std::size_t>(bin), 1.0 + value);
+      value *= ratio;
+      ratio *= change;
+      if (++bin == kNumBins) bin = 0;
+    }
   }
-}
+
+  [[nodiscard]] double LogAt(int bin) const {
+    const auto i = static_cast<std::size_t>(bin);
+    return std::log(products_[i]) + logarithms_[i];
+  }
+
+ private:
+  void Multiply(std::size_t bin, double factor) {
+    constexpr double kLarge = 1e100;
+    products_[bin] *= factor;
+    if (products_[bin] < kLarge) return;
+    logarithms_[bin] += std::log(products_[bin]);
+    products_[bin] = 1.0;
+  }
+
+  std::array<double, kNumBins> products_{};
+  std::array<double, kNumBins> logarithms_{};  // Of what became too large.
+};
 
 // Robust: a prior may be wrong altogether.
 double LogPrior(double heading, const AxisPrior& prior) {
@@ -55,26 +85,29 @@ double LogPrior(double heading, const AxisPrior& prior) {
 struct Step {
   double sum_ww = 0.0;
   double sum_wr = 0.0;
+
+  // `pixel`: where a direction vanishes; `d_pixel`: how that moves with the
+  // heading.
+  void Add(const SeenLine& line,
+           const Eigen::Vector3d& pixel,
+           const Eigen::Vector3d& d_pixel,
+           double max_sigmas,
+           double slack) {
+    // Sigma hardly changes along the way.
+    const double r = VanishingResidual(line, pixel);
+    const double ahead = VanishingResidual(line, pixel + kDelta * d_pixel);
+    const double slope = (ahead - r) / kDelta;
+    const double width =
+        max_sigmas * max_sigmas * (1.0 + slope * slope * slack * slack);
+    const double share = r * r / width;
+    if (share >= 1.0) return;
+    const double weight = (1.0 - share) * (1.0 - share);
+    sum_ww += weight * slope * slope;
+    sum_wr += weight * slope * r;
+  }
+
+  static constexpr double kDelta = 1e-6;
 };
-void AddLine(const CorridorView& view,
-             const SeenLine& line,
-             const Eigen::Vector3d& direction,
-             const Eigen::Vector3d& d_direction,
-             double max_sigmas,
-             double slack,
-             Step* step) {
-  const double r = VanishingResidual(line, view.PixelOf(direction));
-  // The denominator hardly changes along the way.
-  constexpr double kDelta = 1e-6;
-  const double ahead =
-      VanishingResidual(line, view.PixelOf(direction + kDelta * d_direction));
-  const double slope = (ahead - r) / kDelta;
-  const double cut = r / (max_sigmas * std::hypot(1.0, slope * slack));
-  if (std::abs(cut) >= 1.0) return;
-  const double weight = (1.0 - cut * cut) * (1.0 - cut * cut);
-  step->sum_ww += weight * slope * slope;
-  step->sum_wr += weight * slope * r;
-}
 
 }  // namespace
 
@@ -95,13 +128,13 @@ std::optional<AxisHeading> EstimateAxisHeading(
     std::span<const SeenLine> lines,
     const std::optional<AxisPrior>& prior,
     const AxisHeadingOptions& options) {
-  Votes votes{};
+  Votes votes;
   for (const SeenLine& line : lines) {
     if (const auto along = HeadingOfLine(view, line, 0.0)) {
-      Vote(*along, options.along_share, &votes);
+      votes.Add(*along, options.along_share);
     }
     if (const auto across = HeadingOfLine(view, line, 0.5 * kPi)) {
-      Vote(*across, options.across_share, &votes);
+      votes.Add(*across, options.across_share);
     }
   }
   double best_score = -std::numeric_limits<double>::infinity();
@@ -114,7 +147,7 @@ std::optional<AxisHeading> EstimateAxisHeading(
         std::abs(std::remainder(heading - prior->heading, kPi)) > 0.25 * kPi) {
       continue;
     }
-    const double evidence = votes[static_cast<std::size_t>(i)];
+    const double evidence = votes.LogAt(i);
     const double score = evidence + (prior ? LogPrior(heading, *prior) : 0.0);
     if (score <= best_score) continue;
     best_score = score;
@@ -129,12 +162,12 @@ std::optional<AxisHeading> EstimateAxisHeading(
   double slack = kBin;
   for (int k = 0; k < kNumIterations; ++k) {
     step = Step();
-    const Eigen::Vector3d axis = AxisIn(result.heading);
-    const Eigen::Vector3d across = AcrossIn(result.heading);
+    const Eigen::Vector3d axis = view.PixelOf(AxisIn(result.heading));
+    const Eigen::Vector3d across = view.PixelOf(AcrossIn(result.heading));
     for (const SeenLine& line : lines) {
       // d axis / d heading = -across, d across / d heading = axis.
-      AddLine(view, line, axis, -across, options.max_sigmas, slack, &step);
-      AddLine(view, line, across, axis, options.max_sigmas, slack, &step);
+      step.Add(line, axis, -across, options.max_sigmas, slack);
+      step.Add(line, across, axis, options.max_sigmas, slack);
     }
     if (!(step.sum_ww > 0.0)) return std::nullopt;
     // Never farther than the peak is wide.
