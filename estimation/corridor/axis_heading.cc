@@ -109,7 +109,58 @@ struct Step {
   static constexpr double kDelta = 1e-6;
 };
 
+double HeadingOf(int bin) {
+  return (bin + 0.5) * kBin - 0.5 * kPi;
+}
+
+// The bin with the highest likelihood, with the prior, and its margin over all
+// that are not its own foot; false where no bin is near the prior.
+bool FindPeak(const Votes& votes,
+              const std::optional<AxisPrior>& prior,
+              AxisHeading* peak) {
+  constexpr double kNowhere = -std::numeric_limits<double>::infinity();
+  const double foot = RadiansFromDegrees(1.5);
+  std::array<double, kNumBins> scores{};
+  for (int i = 0; i < kNumBins; ++i) {
+    const double heading = HeadingOf(i);
+    // Nearer to across than to along: the prior tells the two apart, however
+    // many lines a tiled floor has.
+    const bool is_across =
+        prior &&
+        std::abs(std::remainder(heading - prior->heading, kPi)) > 0.25 * kPi;
+    scores[static_cast<std::size_t>(i)] =
+        is_across ? kNowhere
+                  : votes.LogAt(i) + (prior ? LogPrior(heading, *prior) : 0.0);
+  }
+  const auto best = std::max_element(scores.begin(), scores.end());
+  if (*best == kNowhere) return false;
+  const auto bin = static_cast<int>(best - scores.begin());
+  peak->heading = HeadingOf(bin);
+  peak->evidence = votes.LogAt(bin);
+  // A rival is another peak: beyond a valley, not the same one's foot.
+  double rival = kNowhere;
+  const double rise = 0.1 * peak->evidence;
+  for (const int direction : {1, -1}) {
+    double lowest = *best;
+    for (int i = 1; i < kNumBins; ++i) {
+      const int at = ((bin + direction * i) % kNumBins + kNumBins) % kNumBins;
+      const double score = scores[static_cast<std::size_t>(at)];
+      if (score == kNowhere) break;
+      lowest = std::min(lowest, score);
+      if (i * kBin > foot && score > lowest + rise) {
+        rival = std::max(rival, score);
+      }
+    }
+  }
+  peak->margin = *best - rival;
+  return true;
+}
+
 }  // namespace
+
+bool StandsOut(const AxisHeading& heading, const AxisHeadingOptions& options) {
+  return heading.margin >= options.min_margin_share * heading.evidence;
+}
 
 void AxisHeadingOptions::Check() const {
   if (!(along_share > 0.0 && across_share > 0.0 &&
@@ -121,6 +172,9 @@ void AxisHeadingOptions::Check() const {
     throw std::invalid_argument("max_sigmas: must be positive");
   }
   if (min_lines < 1) throw std::invalid_argument("min_lines: at least 1");
+  if (!(min_margin_share >= 0.0 && min_margin_share <= 1.0)) {
+    throw std::invalid_argument("min_margin_share: in [0, 1]");
+  }
 }
 
 std::optional<AxisHeading> EstimateAxisHeading(
@@ -137,23 +191,8 @@ std::optional<AxisHeading> EstimateAxisHeading(
       votes.Add(*across, options.across_share);
     }
   }
-  double best_score = -std::numeric_limits<double>::infinity();
   AxisHeading result;
-  for (int i = 0; i < kNumBins; ++i) {
-    const double heading = (i + 0.5) * kBin - 0.5 * kPi;
-    // Nearer to across than to along: the prior tells the two apart, however
-    // many lines a tiled floor has.
-    if (prior &&
-        std::abs(std::remainder(heading - prior->heading, kPi)) > 0.25 * kPi) {
-      continue;
-    }
-    const double evidence = votes.LogAt(i);
-    const double score = evidence + (prior ? LogPrior(heading, *prior) : 0.0);
-    if (score <= best_score) continue;
-    best_score = score;
-    result.heading = heading;
-    result.evidence = evidence;
-  }
+  if (!FindPeak(votes, prior, &result)) return std::nullopt;
   if (result.evidence < options.min_evidence) return std::nullopt;
 
   Step step;

@@ -20,6 +20,10 @@ struct AxisHeadingOptions {
   // needs.
   double min_evidence = 10.0;
   int min_lines = 3;  // Along the corridor.
+  // Where lines at random happen to agree, they do so nearly as well elsewhere:
+  // a heading stands by itself, without a position that goes with it, where
+  // its margin is at least so much of its evidence.
+  double min_margin_share = 0.5;
 
   // Throws std::invalid_argument naming the first field out of range.
   void Check() const;
@@ -30,9 +34,17 @@ enum class LineFamily : std::uint8_t { kOther, kAlong, kAcross };
 struct AxisHeading {
   double heading = 0.0;  // Of R in L, rad; modulo pi without a prior.
   double sigma = 0.0;
+  // Logarithm of the likelihood over that of lines at random, without the
+  // prior; and by how much that, with the prior, is more than at any other
+  // heading.
   double evidence = 0.0;
+  double margin = 0.0;
   std::vector<LineFamily> families;  // Of each line.
 };
+
+// Whether a heading stands by itself.
+[[nodiscard]] bool StandsOut(const AxisHeading& heading,
+                             const AxisHeadingOptions& options);
 
 struct AxisPrior {
   double heading = 0.0;

@@ -209,14 +209,24 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
           &estimate);
     return estimate;
   }
-  if (!corridor.width) {
+  const bool stands_out = StandsOut(*heading, options.heading);
+  if (!corridor.width && stands_out) {
     NotePose(PoseWithoutPosition(*heading, estimate.lines, options), &estimate);
     SayNo(CorridorStatus::kUnknownSize,
           "the corridor's width is not known: heading alone",
           &estimate);
   } else {
-    const JointPose pose =
-        FindPose(view, corridor, seen, *heading, prior, options);
+    JointPose pose;
+    if (corridor.width) {
+      pose = FindPose(view, corridor, seen, *heading, prior, options);
+    }
+    if (!pose.y && !stands_out) {
+      SayNo(
+          is_at_end ? CorridorStatus::kEnds : CorridorStatus::kNoVanishingPoint,
+          "the corridor's direction might nearly as well be another",
+          &estimate);
+      return estimate;
+    }
     NotePose(pose, &estimate);
     estimate.status = CorridorStatus::kAccepted;
     if (!pose.y) {
