@@ -15,8 +15,7 @@ wanted=()
 usage() {
   cat <<TEXT
 usage: ./run demo [NAME...] [--speed X] [--out FOLDER]
-       ./run demo drive [--world NAME] [--route NAME] [--keyboard]
-                        [--camera NAME] [--out FOLDER]
+       ./run demo drive | corridor [ARGUMENTS]
 
 Imports recordings of real robots, plays them by lcm-logplayer to pose_filter
 and batch_refiner, records by lcm-logger, evaluates, and writes
@@ -25,7 +24,8 @@ or one of logs/samples; without a name all recordings. They are looked for in
 WAYMARK_DATA (shared/data beside the clone); without them logs/samples are
 played. --speed: multiple of the recorded speed (6).
 
-With drive: a simulated robot in an office, live; see ./run demo drive --help.
+With drive: a simulated robot in an office, live; with corridor: one that finds
+its way by the lines of a corridor. See ./run demo drive --help.
 TEXT
 }
 inside=0

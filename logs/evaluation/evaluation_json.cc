@@ -74,6 +74,27 @@ json JsonOf(const EstimateEvaluation& estimate) {
   return result;
 }
 
+json JsonOf(const LatencySummary& l) {
+  return {{"num", l.num},
+          {"median_ms", l.median_ms},
+          {"p95_ms", l.p95_ms},
+          {"p99_ms", l.p99_ms},
+          {"max_ms", l.max_ms}};
+}
+
+json JsonOf(const std::optional<SightHealth>& sight) {
+  if (!sight) return nullptr;
+  json result{{"channel", sight->channel},
+              {"num_images", sight->num_images},
+              {"num_unanswered", sight->num_unanswered},
+              {"num_lost", sight->num_lost},
+              {"to_answer", nullptr},
+              {"to_pose", nullptr}};
+  if (sight->to_answer) result["to_answer"] = JsonOf(*sight->to_answer);
+  if (sight->to_pose) result["to_pose"] = JsonOf(*sight->to_pose);
+  return result;
+}
+
 json JsonOf(const CorridorErrorSummary& errors) {
   return {{"y", JsonOf(errors.y_m, "m")},
           {"heading", JsonOf(errors.heading_rad, "rad")},
@@ -138,11 +159,7 @@ json HealthJson(const LogRecording& recording) {
   }
   json latency = json::object();
   for (const auto& [name, l] : recording.latency) {
-    latency[name] = {{"num", l.num},
-                     {"median_ms", l.median_ms},
-                     {"p95_ms", l.p95_ms},
-                     {"p99_ms", l.p99_ms},
-                     {"max_ms", l.max_ms}};
+    latency[name] = JsonOf(l);
   }
   json processes = json::object();
   for (const auto& [name, p] : recording.processes) {
@@ -158,6 +175,7 @@ json HealthJson(const LogRecording& recording) {
   }
   return {{"channels", channels},
           {"latency", recording.latency.empty() ? json(nullptr) : latency},
+          {"sight", JsonOf(recording.sight)},
           {"processes", processes}};
 }
 

@@ -125,6 +125,29 @@ void AppendCorridor(const LogEvaluation& evaluation, std::string* text) {
   }
 }
 
+void AppendSight(const LogRecording& recording, std::string* text) {
+  if (!recording.sight) return;
+  const SightHealth& sight = *recording.sight;
+  *text += fmt::format("  {}: {} images, {} lost, {} unanswered\n",
+                       sight.channel,
+                       sight.num_images,
+                       sight.num_lost,
+                       sight.num_unanswered);
+  for (const auto& [what, latency] :
+       {std::pair("CORRIDOR_POSE", &sight.to_answer),
+        std::pair("the POSE behind it", &sight.to_pose)}) {
+    if (!*latency) continue;
+    *text += fmt::format(
+        "  from exposure to {}: median {:.2f} ms, p95 {:.2f} ms, p99 {:.2f} "
+        "ms, max {:.2f} ms\n",
+        what,
+        (*latency)->median_ms,
+        (*latency)->p95_ms,
+        (*latency)->p99_ms,
+        (*latency)->max_ms);
+  }
+}
+
 void AppendHealth(const LogRecording& recording, std::string* text) {
   for (const auto& [channel, latency] : recording.latency) {
     *text += fmt::format(
@@ -233,12 +256,69 @@ std::string TableOf(const LogEvaluation& evaluation) {
   AppendEstimates(evaluation, &text);
   AppendCorridor(evaluation, &text);
   AppendParameters(evaluation, &text);
+  AppendSight(recording, &text);
   AppendHealth(recording, &text);
   for (const std::string& note : evaluation.notes) {
     text += "  note: " + note + "\n";
   }
   return text;
 }
+
+namespace {
+
+std::string MillisecondsText(const std::optional<LatencySummary>& latency) {
+  return latency ? fmt::format("{:.1f} ms", latency->p95_ms) : "-";
+}
+
+// Of recordings that have any; lateral position and heading of POSE.
+std::string CorridorTableOf(std::span<const LogEvaluation> evaluations) {
+  const auto line = [](const auto&... cells) {
+    return fmt::format(
+        "{:<22}{:>8}{:>10}{:>11}{:>10}{:>9}{:>8}{:>12}{:>10}{:>6}\n", cells...);
+  };
+  std::string text;
+  for (const LogEvaluation& evaluation : evaluations) {
+    if (!evaluation.corridor) continue;
+    const CorridorErrorSummary& fused = evaluation.corridor->fused;
+    const SightHealth sight =
+        evaluation.recording.sight.value_or(SightHealth{});
+    const auto metres = [&](double m) {
+      return fused.y_m.num > 0 ? MetresText(m) : std::string("-");
+    };
+    const auto degrees = [&](double rad) {
+      return fused.heading_rad.num > 0
+                 ? fmt::format("{:.2f}°", DegreesFromRadians(rad))
+                 : std::string("-");
+    };
+    text += line(evaluation.name,
+                 evaluation.corridor->num,
+                 PercentText(evaluation.corridor->accepted_share()),
+                 metres(fused.y_m.rmse),
+                 metres(fused.y_m.max),
+                 degrees(fused.heading_rad.rmse),
+                 degrees(fused.heading_rad.max),
+                 MillisecondsText(sight.to_answer),
+                 MillisecondsText(sight.to_pose),
+                 sight.num_lost + sight.num_unanswered);
+  }
+  if (text.empty()) return "";
+  return line("Across the corridor",
+              "images",
+              "accepted",
+              "off, rmse",
+              "max",
+              "heading",
+              "max",
+              "answer p95",
+              "POSE p95",
+              "lost") +
+         text +
+         "off, heading: of POSE. p95: from an image's exposure to its "
+         "CORRIDOR_POSE, and to the next POSE. lost: images not sent, not "
+         "recorded or not answered.\n";
+}
+
+}  // namespace
 
 std::string SummaryTableOf(std::span<const LogEvaluation> evaluations) {
   const auto line = [](const auto&... cells) {
@@ -291,7 +371,7 @@ std::string SummaryTableOf(std::span<const LogEvaluation> evaluations) {
         "* reference-aided: fed with thinned, noisy samples of the reference, "
         "scored on the others\n";
   }
-  return text;
+  return text + CorridorTableOf(evaluations);
 }
 
 }  // namespace waymark

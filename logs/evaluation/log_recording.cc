@@ -58,18 +58,6 @@ std::string WithoutNumbers(const std::string& text) {
   return result;
 }
 
-LatencySummary SummariseLatency(std::vector<double> ms) {
-  std::sort(ms.begin(), ms.end());
-  const std::size_t n = ms.size();
-  LatencySummary summary;
-  summary.num = static_cast<std::int64_t>(n);
-  summary.median_ms = 0.5 * (ms[(n - 1) / 2] + ms[n / 2]);
-  summary.p95_ms = ms[(95 * n + 99) / 100 - 1];  // As p99.
-  summary.p99_ms = ms[(99 * n + 99) / 100 - 1];  // ceil(0.99 n)-th smallest.
-  summary.max_ms = ms.back();
-  return summary;
-}
-
 // Keeps some of a stream of images, evenly spaced, without knowing its length:
 // each k-th, and whenever there are too many of them, each second of those.
 class SomeImages {
@@ -157,6 +145,7 @@ class Collector {
         recording_.latency[channel] = SummariseLatency(values);
       }
     }
+    recording_.sight = sight_.Finish(is_live);
     return std::move(recording_);
   }
 
@@ -184,6 +173,7 @@ class Collector {
       auto image = DecodeMessage<image_t>(event.data);
       if (!image) return false;
       image_times_[image->utime] = last_;
+      sight_.OnImage(channel, image->utime, SequenceOf(*image));
       images_[channel].Add(std::move(*image));
     }
     return false;
@@ -246,6 +236,7 @@ class Collector {
         EncoderReadingFromMessage(m, &reason);
     if (!reading) return false;
     NoteInput(m.utime);
+    sight_.OnEncoders(m.utime, last_);
     const EncoderStep step = counter_.Add(*reading, m.counter_bits);
     // Refused: late, repeated, or a jump that no wheel can make. Counts are
     // cumulative, so that the next one makes good for it.
@@ -275,6 +266,10 @@ class Collector {
     auto answer = CorridorAnswerFromMessage(m, &reason);
     if (!answer) return false;
     NoteLatency(event.channel, m.utime, image_times_);
+    sight_.OnAnswer(std::string(kImagePrefix) + m.source,
+                    m.utime,
+                    m.has_heading != 0,
+                    last_);
     recording_.corridor.push_back(std::move(*answer));
     return true;
   }
@@ -312,6 +307,7 @@ class Collector {
   bool OnMessage(const LogEvent& event, const pose_t& m) {
     CountSequence(event, "", m.seq);
     NoteLatency(event.channel, m.utime, input_times_);
+    if (event.channel == kPose) sight_.OnPose(last_);
     if (m.is_known == 0) {
       ++recording_.num_unknown_poses[event.channel];
       return true;
@@ -400,6 +396,7 @@ class Collector {
   std::map<std::pair<std::string, std::string>, std::size_t> fault_kinds_;
   std::map<std::int64_t, Time> input_times_;  // utime to log time.
   std::map<std::int64_t, Time> image_times_;
+  SightClock sight_;
   std::map<std::string, std::vector<double>> latencies_;  // ms.
 };
 

@@ -4,6 +4,7 @@
 #include "estimation/filter/estimate_types.h"
 #include "estimation/filter/measurement_types.h"
 #include "logs/evaluation/dead_reckoning.h"
+#include "logs/evaluation/sight_health.h"
 #include "logs/evaluation/trajectory_types.h"
 #include "processes/convert/corridor_convert.h"
 #include "processes/convert/image_convert.h"
@@ -26,15 +27,6 @@ struct ChannelHealth {
   // log's. 0 where fewer than two.
   double rate_hz = 0.0;
   double longest_gap_s = 0.0;
-};
-
-// Log time of an output minus log time of the input that caused it.
-struct LatencySummary {
-  std::int64_t num = 0;
-  double median_ms = 0.0;
-  double p95_ms = 0.0;
-  double p99_ms = 0.0;
-  double max_ms = 0.0;
 };
 
 // Faults of a process that differ in their numbers at most.
@@ -92,6 +84,7 @@ struct LogRecording {
 
   std::map<std::string, ChannelHealth> channels;
   std::map<std::string, LatencySummary> latency;  // Empty offline.
+  std::optional<SightHealth> sight;               // Of CORRIDOR_POSE.
   std::map<std::string, ProcessHealth> processes;
   std::map<std::string, std::string> configs;  // YAML of each process.
   std::string version;                         // Of Waymark, from CONFIG.

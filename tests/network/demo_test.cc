@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -97,6 +98,76 @@ TEST_F(DemoTest, DrivesASimulatedRobotAndWritesReportPlanAndRecording) {
   for (const char* channel : {"TRUTH", "POSE", "RANGES", "TASK_STATUS"}) {
     EXPECT_THAT(info.out, HasSubstr(channel));
   }
+}
+
+// In a corridor of the test's own, 2 m there and back.
+TEST_F(DemoTest, DrivesInACorridorByItsLines) {
+  std::filesystem::create_directories(folder_);
+  const std::string world = (folder_ / "corridor.yaml").string();
+  std::ofstream(world)
+      << "rooms:\n"
+         "  - {name: corridor, rectangle: [0, 0, 12, 2], height: 2.5,\n"
+         "     floor: grey, walls: white, lamps: [4, 1]}\n"
+         "materials:\n"
+         "  grey: {pattern: plaster, color: [150, 142, 130]}\n"
+         "  white: {pattern: paint, color: [222, 220, 212]}\n"
+         "starts: [[1.5, 1, 0]]\n";
+  const std::string corridors = (folder_ / "corridors.yaml").string();
+  std::ofstream(corridors)
+      << "corridors:\n"
+         "  - {name: corridor, width: 2, height: 2.5, skirting_height: 0.08, "
+         "skirting_depth: 0.012, x: [0, 12], axis_W: [0, 1, 0]}\n";
+  const std::string camera = (folder_ / "camera.yaml").string();
+  std::ofstream(camera) << "{model: perspective, width: 320, height: 240, "
+                           "fx: 230, fy: 230, cx: 159.5, cy: 119.5, "
+                           "mounting: {x: 0.1, z: 0.6}}\n";
+  const ChildResult demo = RunDemo({"--world",
+                                    world,
+                                    "--corridors",
+                                    corridors,
+                                    "--camera",
+                                    camera,
+                                    "--length",
+                                    "2"},
+                                   "procman/demo_corridor.sh");
+  ASSERT_EQ(demo.exit_code, 0) << demo.err << demo.out;
+  // While it drives, and in the end.
+  EXPECT_THAT(demo.out,
+              testing::ContainsRegex("way-points, .* m left; [0-9]+ of [0-9]+ "
+                                     "images.*, off by [0-9.]+ cm"));
+  EXPECT_THAT(demo.out, HasSubstr("Across the corridor"));
+  EXPECT_THAT(demo.out, HasSubstr("camera:  "));
+  const std::filesystem::path out = folder_ / "out";
+  for (const char* file : {"corridor.html", "corridor.png", "corridor.lcm"}) {
+    ASSERT_TRUE(std::filesystem::exists(out / file)) << file;
+    EXPECT_GT(std::filesystem::file_size(out / file), 1000u) << file;
+  }
+  const ChildResult evaluated = RunChild({BuildPath("bin/waymark-log"),
+                                          "evaluate",
+                                          (out / "corridor.lcm").string(),
+                                          "--json",
+                                          "-"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  const auto figures = nlohmann::json::parse(evaluated.out);
+  const auto& corridor = figures["corridor"];
+  EXPECT_GT(corridor["num"], 20);
+  // It turns on the spot at the far end and sees no corridor meanwhile.
+  EXPECT_GT(corridor["accepted_share"], 0.5);
+  // As the corridor system's tasks ask for.
+  EXPECT_LT(corridor["fused"]["y"]["max_m"], 0.03);
+  EXPECT_EQ(figures["health"]["sight"]["channel"], "IMAGE_FRONT");
+  EXPECT_GT(figures["health"]["sight"]["to_answer"]["median_ms"], 0.0);
+}
+
+TEST_F(DemoTest, RefusesATaskThatIsNotThere) {
+  const ChildResult demo =
+      RunDemo({"--task", "sideways"}, "procman/demo_corridor.sh");
+  EXPECT_EQ(demo.exit_code, 2);
+  EXPECT_THAT(demo.err, HasSubstr("'sideways' is none of turns"));
+  // A world that is no corridor.
+  EXPECT_EQ(
+      RunDemo({"--world", "office_u"}, "procman/demo_corridor.sh").exit_code,
+      2);
 }
 
 TEST_F(DemoTest, RefusesARouteThatIsNotThere) {

@@ -2,6 +2,7 @@
 
 #include "estimation/base/random.h"
 #include "estimation/geometry/angle.h"
+#include "planner/control/corridor_way.h"
 #include "processes/collision_guard/collision_guard_process.h"
 #include "processes/convert/corridor_file.h"
 #include "processes/convert/task_convert.h"
@@ -206,24 +207,13 @@ void CorridorExperiment::Prepare() {
 std::vector<Eigen::Vector2d> CorridorExperiment::Way() const {
   const bool is_zigzag = config_.task == CorridorTask::kZigzag ||
                          config_.task == CorridorTask::kLearn;
-  std::vector<Eigen::Vector2d> way;
-  const double first = config_.begin_m;
-  const double last = config_.begin_m + config_.length_m;
-  double side = 1.0;
-  for (std::int64_t leg = 0; leg < config_.num_legs; ++leg) {
-    const bool is_back = leg % 2 == 1;
-    if (is_zigzag) {
-      for (double s = config_.zigzag_step_m; s < config_.length_m;
-           s += config_.zigzag_step_m) {
-        way.emplace_back(is_back ? last - s : first + s,
-                         side * config_.zigzag_m);
-        side = -side;
-      }
-    }
-    way.emplace_back(is_back ? first : last, 0.0);
-    if (config_.task == CorridorTask::kBlind) break;
-  }
-  return way;
+  CorridorWayOptions way;
+  way.begin = config_.begin_m;
+  way.length = config_.length_m;
+  way.num_legs = config_.task == CorridorTask::kBlind ? 1 : config_.num_legs;
+  way.zigzag = is_zigzag ? config_.zigzag_m : 0.0;
+  way.zigzag_step = config_.zigzag_step_m;
+  return CorridorWay(way);
 }
 
 std::optional<Eigen::Vector2d> CorridorExperiment::BlindWay() const {

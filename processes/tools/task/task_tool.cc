@@ -2,15 +2,21 @@
 
 #include "estimation/base/input_error.h"
 #include "estimation/geometry/angle.h"
+#include "planner/control/corridor_way.h"
+#include "processes/convert/corridor_file.h"
 #include "processes/convert/task_convert.h"
 #include "processes/support/channels.h"
 #include "processes/support/decode.h"
 #include "processes/support/lcm_url.h"
 #include "processes/support/run_tool.h"
+#include "processes/tools/task/corridor_watch.h"
 
+#include <waymark/corridor_pose_t.hpp>
+#include <waymark/pose_t.hpp>
 #include <waymark/stop_t.hpp>
 #include <waymark/task_status_t.hpp>
 #include <waymark/task_t.hpp>
+#include <waymark/truth_t.hpp>
 #include <waymark/velocity_t.hpp>
 
 #include <CLI/CLI.hpp>
@@ -50,6 +56,8 @@ struct TaskOptions {
   std::string url;
   double timeout_s = 5.0;
   std::vector<std::string> places;
+  std::string corridors;
+  CorridorWayOptions way;
   double speed = 0.0;
   bool follow = false;
 };
@@ -86,6 +94,25 @@ Waypoint WaypointFromText(const std::string& text) {
     waypoint.heading = WrapAngle(RadiansFromDegrees(numbers[2]));
   }
   return waypoint;
+}
+
+std::vector<Waypoint> PlacesOf(const TaskOptions& options) {
+  std::vector<Waypoint> waypoints;
+  for (const std::string& place : options.places) {
+    waypoints.push_back(WaypointFromText(place));
+  }
+  return waypoints;
+}
+
+// In W, in the first corridor of the file.
+std::vector<Waypoint> CorridorWaypoints(const TaskOptions& options) {
+  const CorridorGeometry corridor =
+      LoadCorridorFile(FindCorridorFile(options.corridors)).front();
+  std::vector<Waypoint> waypoints;
+  for (const Eigen::Vector2d& p_L : CorridorWay(options.way)) {
+    waypoints.push_back({corridor.X_WL * p_L, {}});
+  }
+  return waypoints;
 }
 
 // Text from the bus on a terminal.
@@ -187,20 +214,23 @@ class Progress {
     return Steady::now() - heard_;
   }
 
-  // A line where there is news.
-  void Show() {
+  // A line where there is news, with what is seen of a corridor.
+  void Show(CorridorWatch* watch) {
     const std::string news = status_->state + status_->reason.substr(0, 8) +
                              std::to_string(status_->num_reached);
     if (news == shown_ && Steady::now() - shown_at_ < kLinePeriod) return;
     shown_ = news;
     shown_at_ = Steady::now();
-    std::printf("%s: %d of %d way-points, %.1f m left%s%s\n",
+    const std::string seen = watch->News();
+    std::printf("%s: %d of %d way-points, %.1f m left%s%s%s%s\n",
                 Printable(status_->state).c_str(),
                 status_->num_reached,
                 status_->num_waypoints,
                 status_->distance_left,
                 status_->reason.empty() ? "" : ", ",
-                Printable(status_->reason).c_str());
+                Printable(status_->reason).c_str(),
+                seen.empty() ? "" : "; ",
+                seen.c_str());
     std::fflush(stdout);
   }
 
@@ -213,19 +243,24 @@ class Progress {
   Steady::time_point shown_at_;
 };
 
-int SendTask(const std::string& kind, const TaskOptions& options) {
+int SendTask(const std::string& kind,
+             const std::vector<Waypoint>& waypoints,
+             const TaskOptions& options) {
   Task task;
   task.time = TimeFromMicroseconds(WallUtime());
   task.source = kName;
   task.kind = kind;
   task.max_speed = options.speed;
-  for (const std::string& place : options.places) {
-    task.waypoints.push_back(WaypointFromText(place));
-  }
+  task.waypoints = waypoints;
   Talk talk(options);
   Progress progress(Microseconds(task.time));
+  CorridorWatch watch;
   talk.Listen<task_status_t>(
       kTaskStatus, [&](const task_status_t& m) { progress.OnStatus(m); });
+  talk.Listen<corridor_pose_t>(
+      kCorridorPose, [&](const corridor_pose_t& m) { watch.OnAnswer(m); });
+  talk.Listen<pose_t>(kPose, [&](const pose_t& m) { watch.OnPose(m); });
+  talk.Listen<truth_t>(kTruth, [&](const truth_t& m) { watch.OnTruth(m); });
   if (!talk.SendUntil(
           kTask, ToMessage(task, 0), [&] { return progress.is_taken(); })) {
     return Complain(
@@ -233,11 +268,11 @@ int SendTask(const std::string& kind, const TaskOptions& options) {
         std::string(kind == "tour" ? "tour_driver" : "path_follower") +
         " run, and has it a pose?");
   }
-  progress.Show();
+  progress.Show(&watch);
   if (!options.follow) return 0;
   while (true) {
     talk.Look();
-    progress.Show();
+    progress.Show(&watch);
     if (progress.status().state == "done") return 0;
     if (progress.status().state == "failed") {
       return Complain("failed: " + Printable(progress.status().reason));
@@ -303,6 +338,27 @@ void AddCommonOptions(CLI::App* command, TaskOptions* options) {
       ->capture_default_str();
 }
 
+void AddWayOptions(CLI::App* command, TaskOptions* options) {
+  command
+      ->add_option("CORRIDOR",
+                   options->corridors,
+                   "Corridor file, or one that comes with Waymark")
+      ->required();
+  CorridorWayOptions* way = &options->way;
+  const auto add =
+      [&](const char* name, double* value, double from, const char* help) {
+        RequireRange(command->add_option(name, *value, help), from, 1000.0)
+            ->capture_default_str();
+      };
+  add("--begin", &way->begin, -1000.0, "Along the axis, m");
+  add("--length", &way->length, 0.1, "From there, one way, m");
+  command->add_option("--legs", way->num_legs, "So often, to and fro")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  add("--zigzag", &way->zigzag, 0.0, "To both sides of the axis, m");
+  add("--zigzag-step", &way->zigzag_step, 0.1, "Along it, m");
+}
+
 }  // namespace
 
 int RunTaskTool(int argc, char** argv) {
@@ -322,15 +378,7 @@ int RunTaskTool(int argc, char** argv) {
           command->callback([run, exit_code] { *exit_code = run(); });
           return command;
         };
-        const auto add_drive = [&](const char* name, const char* help) {
-          CLI::App* command = add(name, help, [options, kind = name] {
-            return SendTask(kind, *options);
-          });
-          command
-              ->add_option("PLACE",
-                           options->places,
-                           "X,Y or X,Y,HEADING in m, m and degrees")
-              ->required();
+        const auto add_drive = [&](CLI::App* command) {
           RequireRange(
               command->add_option(
                   "--speed", options->speed, "At most, m/s (0: its own)"),
@@ -340,8 +388,26 @@ int RunTaskTool(int argc, char** argv) {
                             options->follow,
                             "Show its progress until it is done");
         };
-        add_drive("waypoints", "Drives to places in order, on POSE");
-        add_drive("tour", "The same on TRUTH, for teaching");
+        const auto add_places = [&](const char* name, const char* help) {
+          CLI::App* command = add(name, help, [options, kind = name] {
+            return SendTask(kind, PlacesOf(*options), *options);
+          });
+          command
+              ->add_option("PLACE",
+                           options->places,
+                           "X,Y or X,Y,HEADING in m, m and degrees")
+              ->required();
+          add_drive(command);
+        };
+        add_places("waypoints", "Drives to places in order, on POSE");
+        add_places("tour", "The same on TRUTH, for teaching");
+        CLI::App* corridor = add(
+            "corridor", "Drives to and fro in a corridor, on POSE", [options] {
+              return SendTask(
+                  "waypoints", CorridorWaypoints(*options), *options);
+            });
+        AddWayOptions(corridor, options.get());
+        add_drive(corridor);
         add("cancel", "Gives up what is under way", [options] {
           return Cancel(*options);
         });

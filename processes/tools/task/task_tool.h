@@ -5,6 +5,7 @@ namespace waymark {
 
 // waymark-task waypoints X,Y[,DEG]...   drive there, on POSE
 // waymark-task tour X,Y[,DEG]...        the same on TRUTH
+// waymark-task corridor CORRIDOR        to and fro in a corridor, on POSE
 // waymark-task cancel                   give up what is under way
 // waymark-task stop | go                latch STOP, let go
 //

@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# A simulated robot that drives in a corridor on what its camera sees of the
+# corridor's lines, live over LCM. Started by ./run demo corridor, which builds
+# first.
+set -euo pipefail
+
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+bin=${WAYMARK_BUILD:-$root/build}/bin
+session_name="demo corridor"
+source "$root/procman/session.sh"
+source "$root/procman/simulated_robot.sh"
+declare -A option=([task]=turns [length]=10 [world]=corridor_plain [corridors]=
+  [camera]=perspective [out]=$root/out/demo)
+declare -A flag=([full]=0)
+
+usage() {
+  cat <<TEXT
+usage: ./run demo corridor [--task NAME] [--full] [--length M] [--world NAME]
+                           [--corridors NAME] [--camera NAME] [--out FOLDER]
+
+A simulated robot drives in a corridor, live over LCM: camera, wheels, sonar,
+corridor tracker, pose filter, recorder. It knows its wheels to 0.4 % and the
+corridor's size; where it is across the corridor, and which way it looks, it
+sees by the lines of its images. Then what happened is evaluated:
+FOLDER/corridor.html shows errors, the lines in the images and the plan,
+FOLDER/corridor.lcm is the recording.
+
+  --task NAME       turns: there and back (turns)
+                    zigzag: the same, 40 cm to either side all the way
+                    blind: straight on for 14 m, 6 m with the lens covered
+  --full            as often as published: twice there and back; 12 m blind
+  --length M        how far there, of turns and zigzag (10)
+  --world NAME      corridor_plain, corridor_office (furnished, with people) or
+                    another that has a corridor (corridor_plain)
+  --corridors NAME  where the corridors are: file or name (the world's name)
+  --camera NAME     perspective, fisheye, mirror or a file (perspective)
+  --out FOLDER      where everything goes (out/demo)
+TEXT
+}
+
+robot_options "$@"
+full=${flag[full]}
+corridors=${option[corridors]:-${option[world]}}
+settings=
+way=(--begin 2 --length "${option[length]}" --legs $((full ? 4 : 2)))
+case ${option[task]} in
+  turns) ;;
+  zigzag) way+=(--zigzag 0.4 --zigzag-step 2) ;;
+  blind)
+    # Of the way driven. It sees before, for as long as it takes to learn its
+    # wheels a little, and behind.
+    way=(--begin 2 --length $((full ? 15 : 14)) --legs 1)
+    settings="--set 'camera.covered_way_m=[$((full ? 2 : 4)), $((full ? 14 : 10))]'"
+    ;;
+  *) refuse "--task: '${option[task]}' is none of turns, zigzag, blind" ;;
+esac
+robot_start
+"$bin/corridor_tracker" --check-config --set "corridors=$corridors" >/dev/null ||
+  exit 2
+
+# ---- processes -------------------------------------------------------------
+
+robot_begin corridor "${BASH_SOURCE[0]}" "$@"
+# Wheels that differ from the nominal ones by what tyres do between two
+# calibrations; the filter allows for twice as much.
+settings+=" --set 'noise.right_wheel_factor=1.002' --set 'noise.left_wheel_factor=0.998' --set 'noise.wheel_base_factor=1.002'"
+{
+  robot_list "$settings" "--set 'wheels.nominal_sigma=[4e-3, 4e-3, 4e-3]'"
+  printf '%s\n' "corridor_tracker: '$bin/corridor_tracker' --lcm-url '$url' --set 'corridors=$corridors'"
+} >"$folder/list"
+robot_launch corridor_tracker
+
+# ---- drive -----------------------------------------------------------------
+
+status=0
+"$bin/waymark-task" corridor "$corridors" "${way[@]}" --follow \
+  --lcm-url "$url" || status=$?
+robot_end "$status" || status=$?
+
+# ---- show ------------------------------------------------------------------
+
+say ""
+robot_camera_line
+robot_report
+robot_files
+exit "$status"
