@@ -63,28 +63,6 @@ bool IsAtEnd(const CorridorGeometry& corridor,
   return left < end_m;
 }
 
-// [1, section III.D].
-double RegularProbabilityOf(const CorridorEstimate& estimate,
-                            const CorridorPrior& prior,
-                            const GateOptions& options) {
-  const Eigen::Vector2d residual(
-      estimate.y.value_or(0.0) - prior.X_LR.y,
-      WrapAngle(estimate.heading.value() - prior.X_LR.heading));
-  const Eigen::Matrix2d P = prior.covariance.bottomRightCorner<2, 2>();
-  Innovation innovation;
-  if (estimate.y) {
-    innovation.residual = residual;
-    innovation.HPH = P;
-    innovation.R = estimate.covariance;
-  } else {
-    innovation.residual = residual.tail<1>();
-    innovation.HPH = FixMatrix::Constant(1, 1, P(1, 1));
-    innovation.R = FixMatrix::Constant(1, 1, estimate.covariance(1, 1));
-  }
-  return RegularProbability(
-      {false, estimate.y.has_value(), true}, innovation, options);
-}
-
 bool IsKnownEdge(CorridorEdge edge) {
   return edge != CorridorEdge::kNone && edge != CorridorEdge::kAlong;
 }
@@ -175,6 +153,27 @@ void CorridorTrackerOptions::Check() const {
   require(model_rad >= 0.0 && model_rad <= 1.0, "model_rad: in [0, 1]");
   require(max_prior_rad > 0.0, "max_prior_rad: must be positive");
   require(end_m >= 0.0, "end_m: must not be negative");
+}
+
+double RegularProbabilityOf(const CorridorEstimate& estimate,
+                            const CorridorPrior& prior,
+                            const GateOptions& options) {
+  const Eigen::Vector2d residual(
+      estimate.y.value_or(0.0) - prior.X_LR.y,
+      WrapAngle(estimate.heading.value() - prior.X_LR.heading));
+  const Eigen::Matrix2d P = prior.covariance.bottomRightCorner<2, 2>();
+  Innovation innovation;
+  if (estimate.y) {
+    innovation.residual = residual;
+    innovation.HPH = P;
+    innovation.R = estimate.covariance;
+  } else {
+    innovation.residual = residual.tail<1>();
+    innovation.HPH = FixMatrix::Constant(1, 1, P(1, 1));
+    innovation.R = FixMatrix::Constant(1, 1, estimate.covariance(1, 1));
+  }
+  return RegularProbability(
+      {false, estimate.y.has_value(), true}, innovation, options);
 }
 
 CorridorEstimate EstimateCorridor(const CorridorView& view,

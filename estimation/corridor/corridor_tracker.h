@@ -51,8 +51,17 @@ struct CorridorTrackerOptions {
     const std::optional<CorridorPrior>& prior,
     const CorridorTrackerOptions& options);
 
-// The same for images of one camera, of any model: it is first brought to a
-// pinhole view that looks the same way. Keeps its buffers.
+// P(regular) of an estimate that has a heading, against what was believed
+// before [1, section III.D]; the position counts where there is one.
+//
+// [1] E. Bayramoglu et al. Mobile robot navigation in a corridor using visual
+//     odometry. ICAR 2009.
+[[nodiscard]] double RegularProbabilityOf(const CorridorEstimate& estimate,
+                                          const CorridorPrior& prior,
+                                          const GateOptions& options);
+
+// EstimateCorridor for images of one camera, of any model: it is first brought
+// to a pinhole view that looks the same way. Keeps its buffers.
 class CorridorTracker {
  public:
   // Throws std::invalid_argument as options.Check() does, and where the camera
