@@ -64,10 +64,9 @@ robot_begin corridor "${BASH_SOURCE[0]}" "$@"
 # Wheels that differ from the nominal ones by what tyres do between two
 # calibrations; the filter allows for twice as much.
 settings+=" --set 'noise.right_wheel_factor=1.002' --set 'noise.left_wheel_factor=0.998' --set 'noise.wheel_base_factor=1.002'"
-{
-  robot_list "$settings" "--set 'wheels.nominal_sigma=[4e-3, 4e-3, 4e-3]'"
-  printf '%s\n' "corridor_tracker: '$bin/corridor_tracker' --lcm-url '$url' --set 'corridors=$corridors'"
-} >"$folder/list"
+robot_list "$settings" "--set 'wheels.nominal_sigma=[4e-3, 4e-3, 4e-3]'" \
+  "corridor_tracker: '$bin/corridor_tracker' --lcm-url '$url' --set 'corridors=$corridors'" \
+  >"$folder/list"
 robot_launch corridor_tracker
 
 # ---- drive -----------------------------------------------------------------

@@ -63,16 +63,22 @@ robot_begin() {
   mkdir -p "$folder"
 }
 
-# robot_list SIMULATOR FILTER: the processes of a robot that drives on what its
-# filter believes, for the launcher; further settings of both. Stopped from the
-# last to the first: the recorder hears the others' end.
+# robot_list SIMULATOR FILTER [LINE...]: the processes of a robot that drives on
+# what its filter believes, for the launcher; further settings of both, further
+# processes. Stopped from the last to the first: the recorder hears the others'
+# end, and no image is without someone who looks at it.
 robot_list() {
+  local settings=$1 filter=$2
+  shift 2
   cat <<LIST
 lcm_logger: nice -n -10 lcm-logger --quiet --force --lcm-url='$url' '$log'
-pose_filter: '$bin/pose_filter' --lcm-url '$url' --set 'wheels.nominal=[1e-4, 1e-4, 0.27]' --set 'noise.wheel_variance=1e-6' --set 'noise.base_variance=1e-8' --set 'start.position=[$x, $y]' --set 'start.heading_deg=$heading' $2
+pose_filter: '$bin/pose_filter' --lcm-url '$url' --set 'wheels.nominal=[1e-4, 1e-4, 0.27]' --set 'noise.wheel_variance=1e-6' --set 'noise.base_variance=1e-8' --set 'start.position=[$x, $y]' --set 'start.heading_deg=$heading' $filter
 collision_guard: '$bin/collision_guard' --lcm-url '$url' --set 'stop_file=$folder/stop'
 path_follower: '$bin/path_follower' --lcm-url '$url' --set 'task_file=$folder/task'
-simulator: '$bin/simulator' --lcm-url '$url' --set 'world=${option[world]}' --set 'camera.file=${option[camera]}' --set 'state_file=$folder/robot' $1
+LIST
+  (($# == 0)) || printf '%s\n' "$@"
+  cat <<LIST
+simulator: '$bin/simulator' --lcm-url '$url' --set 'world=${option[world]}' --set 'camera.file=${option[camera]}' --set 'state_file=$folder/robot' $settings
 LIST
 }
 

@@ -262,8 +262,19 @@ CorridorEstimate CorridorTracker::Estimate(
     const Eigen::Isometry3d& X_RC,
     const CorridorGeometry& corridor,
     const std::optional<CorridorPrior>& prior) {
+  return EstimateFrom(FindLines(image), X_RC, corridor, prior);
+}
+
+LineSet CorridorTracker::FindLines(const cv::Mat1b& image) {
   const cv::Mat1b seen = remap_ ? cv::Mat1b(remap_->Apply(image)) : image;
-  const LineSet lines = extractor_.Extract(seen);
+  return extractor_.Extract(seen);
+}
+
+CorridorEstimate CorridorTracker::EstimateFrom(
+    const LineSet& lines,
+    const Eigen::Isometry3d& X_RC,
+    const CorridorGeometry& corridor,
+    const std::optional<CorridorPrior>& prior) const {
   CorridorEstimate estimate = EstimateCorridor(
       {intrinsics_, view_.size, X_RC}, lines, corridor, prior, options_);
   if (remap_) MoveToCamera(&estimate);

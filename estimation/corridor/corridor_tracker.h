@@ -77,6 +77,14 @@ class CorridorTracker {
       const CorridorGeometry& corridor,
       const std::optional<CorridorPrior>& prior);
 
+  // Its two halves: the lines, in pixels of view(), and the pose from them.
+  [[nodiscard]] LineSet FindLines(const cv::Mat1b& image);
+  [[nodiscard]] CorridorEstimate EstimateFrom(
+      const LineSet& lines,
+      const Eigen::Isometry3d& X_RC,
+      const CorridorGeometry& corridor,
+      const std::optional<CorridorPrior>& prior) const;
+
   // What lines are looked for in.
   [[nodiscard]] const CameraView& view() const { return view_; }
 

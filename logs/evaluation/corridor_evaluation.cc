@@ -91,6 +91,8 @@ std::optional<CorridorEvaluation> EvaluateCorridor(
   const auto truths = PathAt(sorted, PosesOf(truth), options);
   const auto fused = PathAt(sorted, path, options);
   CorridorEvaluation evaluation;
+  std::vector<double> lines_ms;
+  std::vector<double> pose_ms;
   Errors seen_errors;
   Errors fused_errors;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
@@ -98,18 +100,24 @@ std::optional<CorridorEvaluation> EvaluateCorridor(
     const CorridorEstimate& estimate = answer.estimate;
     ++evaluation.num;
     ++evaluation.statuses[NameOf(estimate.status)];
+    evaluation.reasons[NameOf(estimate.status)] = estimate.reason;
+    if (answer.lines_took.count() > 0) {
+      lines_ms.push_back(1e3 * Seconds(answer.lines_took));
+      pose_ms.push_back(1e3 * Seconds(answer.pose_took));
+    }
     CorridorSight sight;
     sight.time = answer.time;
     sight.status = estimate.status;
     sight.y = estimate.y;
     sight.heading = estimate.heading;
     // Without a corridor there is nothing to be off.
-    const bool is_in_corridor = !answer.corridor.empty();
+    const bool is_in_corridor = answer.corridor.has_value();
+    const Pose2 X_WL = is_in_corridor ? answer.corridor->X_WL : Pose2{};
     if (is_in_corridor && fused[i]) {
-      sight.fused_y = Between(answer.X_WL, fused[i]->X_WR).y;
+      sight.fused_y = Between(X_WL, fused[i]->X_WR).y;
     }
     if (is_in_corridor && truths[i]) {
-      const Pose2 X_LR = Between(answer.X_WL, truths[i]->X_WR);
+      const Pose2 X_LR = Between(X_WL, truths[i]->X_WR);
       sight.true_y = X_LR.y;
       sight.true_heading = X_LR.heading;
       if (estimate.status == CorridorStatus::kAccepted && estimate.y) {
@@ -120,11 +128,11 @@ std::optional<CorridorEvaluation> EvaluateCorridor(
                                estimate.covariance(1, 1));
       }
       if (fused[i]) {
-        const Pose2 own_LR = Between(answer.X_WL, fused[i]->X_WR);
+        const Pose2 own_LR = Between(X_WL, fused[i]->X_WR);
         const Eigen::Matrix3d P =
             fused[i]->covariance.value_or(Eigen::Matrix3d::Zero());
-        const Eigen::Vector2d across(-std::sin(answer.X_WL.heading),
-                                     std::cos(answer.X_WL.heading));
+        const Eigen::Vector2d across(-std::sin(X_WL.heading),
+                                     std::cos(X_WL.heading));
         fused_errors.AddY(own_LR.y - X_LR.y,
                           across.dot(P.topLeftCorner<2, 2>() * across));
         fused_errors.AddHeading(WrapAngle(own_LR.heading - X_LR.heading),
@@ -133,6 +141,8 @@ std::optional<CorridorEvaluation> EvaluateCorridor(
     }
     evaluation.sights.push_back(sight);
   }
+  evaluation.lines_ms = Summarise(lines_ms);
+  evaluation.pose_ms = Summarise(pose_ms);
   evaluation.seen = seen_errors.Summary();
   evaluation.fused = fused_errors.Summary();
   return evaluation;

@@ -36,10 +36,15 @@ struct CorridorSight {
 struct CorridorEvaluation {
   int num = 0;  // CORRIDOR_POSE messages.
   std::map<std::string, int> statuses;
-  std::vector<CorridorSight> sights;  // In order of time.
+  std::map<std::string, std::string> reasons;  // Of the last of each status.
+  std::vector<CorridorSight> sights;           // In order of time.
   // Of the accepted ones, and of POSE at the times of all images.
   CorridorErrorSummary seen;
   CorridorErrorSummary fused;
+  // What the tracker took for an image's lines, and for the pose from them;
+  // nothing offline.
+  Summary lines_ms;
+  Summary pose_ms;
 
   [[nodiscard]] double accepted_share() const;
 };

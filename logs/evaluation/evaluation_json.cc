@@ -107,6 +107,8 @@ json JsonOf(const std::optional<CorridorEvaluation>& corridor) {
   return {{"num", corridor->num},
           {"statuses", corridor->statuses},
           {"accepted_share", corridor->accepted_share()},
+          {"lines", JsonOf(corridor->lines_ms, "ms")},
+          {"pose", JsonOf(corridor->pose_ms, "ms")},
           {"seen", JsonOf(corridor->seen)},
           {"fused", JsonOf(corridor->fused)}};
 }

@@ -20,10 +20,6 @@ std::string DeltaText(const RelativeErrorOptions& options) {
       "{:g} {}", options.delta, options.unit == DeltaUnit::kMetres ? "m" : "s");
 }
 
-std::string PercentText(double share) {
-  return fmt::format("{:.1f} %", 100.0 * share);
-}
-
 void AppendEstimates(const LogEvaluation& evaluation, std::string* text) {
   const auto line = [&](const auto&... cells) {
     *text += fmt::format("  {:<25}{:>9}{:>9}{:>9}{:>10}{:>9}{:>9}{:>11}\n",
@@ -106,6 +102,15 @@ void AppendCorridor(const LogEvaluation& evaluation, std::string* text) {
     }
   }
   *text += "\n";
+  if (corridor.lines_ms.num > 0) {
+    *text += fmt::format(
+        "  time of corridor_tracker: lines median {:.2f} ms, p95 {:.2f} ms; "
+        "pose from them median {:.2f} ms, p95 {:.2f} ms\n",
+        corridor.lines_ms.median,
+        corridor.lines_ms.p95,
+        corridor.pose_ms.median,
+        corridor.pose_ms.p95);
+  }
   for (const auto& [name, errors] : {std::pair("seen", &corridor.seen),
                                      std::pair("POSE", &corridor.fused)}) {
     if (errors->y_m.num == 0) continue;
@@ -205,6 +210,10 @@ std::string WithSigmaText(double value, double sigma) {
   const int decimals =
       std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 6);
   return fmt::format("{:.{}f} ± {:.{}f}", value, decimals, sigma, decimals);
+}
+
+std::string PercentText(double share) {
+  return fmt::format("{:.1f} %", 100.0 * share);
 }
 
 std::string MetresText(double metres) {

@@ -37,5 +37,7 @@ namespace waymark {
 
 // 12.3 mm or 1.234 m: three to four digits, the unit that reads best.
 [[nodiscard]] std::string MetresText(double metres);
+// "98.7 %".
+[[nodiscard]] std::string PercentText(double share);
 
 }  // namespace waymark

@@ -1,11 +1,13 @@
 #include "logs/evaluation/log_recording.h"
 
 #include "estimation/filter/encoder_counter.h"
+#include "processes/convert/camera_convert.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
 #include "processes/support/decode.h"
 
 #include <waymark/bot_pose_t.hpp>
+#include <waymark/camera_info_t.hpp>
 #include <waymark/config_t.hpp>
 #include <waymark/corridor_pose_t.hpp>
 #include <waymark/encoders_t.hpp>
@@ -89,8 +91,11 @@ class SomeImages {
       std::string reason;
       auto file = ImageFileFromMessage(kept_[at], &reason);
       if (!file) continue;
-      pictures->push_back(
-          {channel, TimeFromMicroseconds(kept_[at].utime), std::move(*file)});
+      const auto tags = TagsFromMessage(kept_[at], &reason);
+      pictures->push_back({channel,
+                           TimeFromMicroseconds(kept_[at].utime),
+                           tags ? tags->head : std::nullopt,
+                           std::move(*file)});
     }
   }
 
@@ -168,6 +173,10 @@ class Collector {
     if (channel == kConfig) return Take<config_t>(event);
     if (channel == kPoseBot) return Take<bot_pose_t>(event);
     if (channel == kRanges) return Take<planar_lidar_t>(event);
+    if (channel.starts_with(kCameraInfoPrefix)) {
+      TakeCamera(event);
+      return false;
+    }
     if (channel.starts_with(kImagePrefix)) {
       // Others name their channels so too.
       auto image = DecodeMessage<image_t>(event.data);
@@ -177,6 +186,18 @@ class Collector {
       images_[channel].Add(std::move(*image));
     }
     return false;
+  }
+
+  void TakeCamera(const LogEvent& event) {
+    const auto message = DecodeMessage<camera_info_t>(event.data);
+    if (!message) return;
+    std::string reason;
+    auto camera = CameraFromMessage(*message, &reason);
+    if (!camera) return;
+    recording_.cameras.insert_or_assign(
+        std::string(kImagePrefix) +
+            event.channel.substr(std::string_view(kCameraInfoPrefix).size()),
+        std::move(*camera));
   }
 
   template <typename M>

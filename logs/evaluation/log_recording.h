@@ -6,6 +6,7 @@
 #include "logs/evaluation/dead_reckoning.h"
 #include "logs/evaluation/sight_health.h"
 #include "logs/evaluation/trajectory_types.h"
+#include "processes/convert/camera_file.h"
 #include "processes/convert/corridor_convert.h"
 #include "processes/convert/image_convert.h"
 #include "processes/support/log_file.h"
@@ -52,6 +53,7 @@ struct ProcessHealth {
 struct RecordedPicture {
   std::string channel;
   Time time;
+  std::optional<HeadAngles> head;
   ImageFile file;
 };
 
@@ -81,6 +83,8 @@ struct LogRecording {
   // A few of each camera's, from its first to its last image, in order; by
   // channel.
   std::vector<RecordedPicture> pictures;
+  // Newest calibration of each camera, by IMAGE_<camera>.
+  std::map<std::string, CameraDescription> cameras;
 
   std::map<std::string, ChannelHealth> channels;
   std::map<std::string, LatencySummary> latency;  // Empty offline.

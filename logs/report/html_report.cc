@@ -4,7 +4,9 @@
 #include "estimation/base/whole_file.h"
 #include "estimation/geometry/angle.h"
 #include "logs/evaluation/evaluation_text.h"
+#include "logs/report/corridor_section.h"
 #include "logs/report/evaluation_plots.h"
+#include "logs/report/html_parts.h"
 #include "logs/report/report_style.h"
 #include "logs/report/svg_plot.h"
 
@@ -18,72 +20,20 @@
 namespace waymark {
 namespace {
 
-// One cell: text, and a style class or "".
-struct Cell {
+// What the cameras saw, but for those whose lines are shown.
+std::string PicturesOf(const LogEvaluation& evaluation) {
   std::string text;
-  std::string style;
-};
-
-std::string Row(const char* tag, const std::vector<Cell>& cells) {
-  std::string row = "<tr>";
-  for (const Cell& cell : cells) {
-    row += cell.style.empty()
-               ? fmt::format("<{}>", tag)
-               : fmt::format("<{} class=\"{}\">", tag, cell.style);
-    row += EscapeHtml(cell.text) + fmt::format("</{}>", tag);
+  const auto& pictures = evaluation.recording.pictures;
+  for (const RecordedPicture& picture : pictures) {
+    if (ShowsLinesOf(evaluation, picture.channel)) continue;
+    text +=
+        HtmlFigure(fmt::format("{}, {:.1f} s",
+                               picture.channel,
+                               Seconds(picture.time - pictures.front().time)),
+                   picture.file);
   }
-  return row + "</tr>\n";
-}
-
-// First row is the head. Wide tables scroll inside their own box.
-std::string Table(const std::vector<std::vector<Cell>>& rows) {
-  std::string table = "<div class=\"scroll\"><table>\n<thead>" +
-                      Row("th", rows.front()) + "</thead>\n<tbody>";
-  for (std::size_t i = 1; i < rows.size(); ++i) table += Row("td", rows[i]);
-  return table + "</tbody></table></div>\n";
-}
-
-std::string Base64(std::span<const std::uint8_t> bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve(4 * (bytes.size() / 3 + 1));
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      bits = bits << 8 | (i + k < bytes.size() ? bytes[i + k] : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      const bool is_there = i + k <= bytes.size();
-      text += is_there ? kDigits[bits >> (18 - 6 * k) & 63U] : '=';
-    }
-  }
-  return text;
-}
-
-std::string FigureOf(const std::string& caption, const ImageFile& file) {
-  const std::string text = EscapeHtml(caption);
-  return "<figure>\n<figcaption>" + text + "</figcaption>\n<img alt=\"" + text +
-         "\" src=\"data:image/" + (file.extension == ".png" ? "png" : "jpeg") +
-         ";base64," + Base64(file.bytes) + "\"/>\n</figure>\n";
-}
-
-// What the cameras saw, a row for each.
-std::string PicturesOf(const LogRecording& recording) {
-  if (recording.pictures.empty()) return "";
-  const Time start = recording.pictures.front().time;
-  std::string text = "<h3>Pictures</h3>\n<div class=\"plots three\">\n";
-  for (const RecordedPicture& picture : recording.pictures) {
-    text += FigureOf(
-        fmt::format(
-            "{}, {:.1f} s", picture.channel, Seconds(picture.time - start)),
-        picture.file);
-  }
-  return text + "</div>\n";
-}
-
-std::string Percent(double share) {
-  return fmt::format("{:.1f} %", 100.0 * share);
+  if (text.empty()) return "";
+  return "<h3>Pictures</h3>\n<div class=\"plots three\">\n" + text + "</div>\n";
 }
 
 Cell RmseCell(const EstimateEvaluation* estimate) {
@@ -138,7 +88,7 @@ std::string SummaryTable(std::span<const LogEvaluation> evaluations) {
          RmseCell(e.Find("online")),
          RmseCell(settled),
          {settled != nullptr && settled->nees_position
-              ? Percent(settled->nees_position->share_inside)
+              ? PercentText(settled->nees_position->share_inside)
               : "–",
           ""},
          AlignedCell(RawOf(e)),
@@ -152,7 +102,7 @@ std::string SummaryTable(std::span<const LogEvaluation> evaluations) {
       "<b>settled</b>: the filter's pose at once, and after its window for "
       "late measurements has closed. <b>aligned</b>: after the best rotation "
       "and shift, so that a wrong first heading does not count.</p>\n" +
-      Table(rows);
+      HtmlTable(rows);
   if (std::any_of(evaluations.begin(), evaluations.end(), [](const auto& e) {
         return e.recording.is_reference_aided();
       })) {
@@ -176,7 +126,7 @@ std::string RelativeText(const EstimateEvaluation& estimate, std::size_t i) {
 }
 
 std::string NeesText(const std::optional<Nees>& nees) {
-  return nees ? Percent(nees->share_inside) : "–";
+  return nees ? PercentText(nees->share_inside) : "–";
 }
 
 std::string EstimatesTable(const LogEvaluation& evaluation) {
@@ -221,7 +171,7 @@ std::string EstimatesTable(const LogEvaluation& evaluation) {
     row.push_back({NeesText(estimate.nees_pose), ""});
     rows.push_back(std::move(row));
   }
-  return rows.size() > 1 ? Table(rows) : std::string();
+  return rows.size() > 1 ? HtmlTable(rows) : std::string();
 }
 
 std::string ParametersTable(const LogEvaluation& evaluation) {
@@ -245,7 +195,7 @@ std::string ParametersTable(const LogEvaluation& evaluation) {
     row.push_back({std::to_string(parameters.samples.size()), ""});
     rows.push_back(std::move(row));
   }
-  return "<h3>Wheel parameters</h3>\n" + Table(rows) +
+  return "<h3>Wheel parameters</h3>\n" + HtmlTable(rows) +
          "<p class=\"small\">± one sigma. Observable: how much of the variance "
          "before any measurement the measurements took away, of right wheel, "
          "left wheel and wheel base.</p>\n";
@@ -282,7 +232,7 @@ std::string ChannelsTable(const LogRecording& recording) {
       recording.latency.empty()
           ? "Latency is absent: the log was made offline."
           : "Latency: log time of the output minus that of its input.";
-  return Table(rows) +
+  return HtmlTable(rows) +
          fmt::format(
              "<p class=\"small\">Rates and gaps by the messages' own clock "
              "where their type is known. {} Log: {} events, {} bytes, {} "
@@ -321,7 +271,7 @@ std::string ProcessesTable(const LogRecording& recording) {
           ""},
          {faults.empty() ? "none" : faults, faults.empty() ? "" : "bad"}});
   }
-  return Table(rows);
+  return HtmlTable(rows);
 }
 
 std::string HowMade(const LogEvaluation& evaluation) {
@@ -368,11 +318,7 @@ std::string Section(const LogEvaluation& evaluation, std::size_t index) {
     text += FigureOf(HeadingErrorPlot(evaluation));
   }
   text += FigureOf(NeesPlot(evaluation)) + "</div>\n";
-  if (evaluation.corridor) {
-    text += "<div class=\"plots\">\n" + FigureOf(CorridorPlot(evaluation)) +
-            "</div>\n";
-  }
-  text += PicturesOf(recording);
+  text += CorridorSection(evaluation) + PicturesOf(evaluation);
   text += ParametersTable(evaluation);
   if (!evaluation.parameters.empty()) {
     text += "<div class=\"plots three\">\n";
@@ -439,7 +385,7 @@ std::string HtmlReport(std::span<const LogEvaluation> evaluations,
   page += "</header>\n<main>\n<section>\n" + SummaryTable(evaluations);
   if (!pictures.empty()) page += "<div class=\"plots wide\">\n";
   for (const ReportPicture& picture : pictures) {
-    page += FigureOf(picture.caption, picture.file);
+    page += HtmlFigure(picture.caption, picture.file);
   }
   if (!pictures.empty()) page += "</div>\n";
   page += "</section>\n";

@@ -5,8 +5,10 @@
 #include "processes/convert/odometry_convert.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <stdexcept>
 #include <vector>
 
 namespace waymark {
@@ -44,6 +46,50 @@ void CopyPose(const Pose2& X, double (&v)[3]) {
   v[0] = X.x;
   v[1] = X.y;
   v[2] = X.heading;
+}
+
+void SetCorridor(const std::optional<CorridorGeometry>& corridor,
+                 corridor_pose_t* message) {
+  // Without one: an unnamed one of no size in the origin.
+  CorridorGeometry sent;
+  sent.name.clear();
+  if (corridor) sent = *corridor;
+  message->corridor = sent.name;
+  CopyPose(sent.X_WL, message->corridor_W);
+  message->width = sent.width.value_or(0.0);
+  message->height = sent.height.value_or(0.0);
+  message->skirting_height = sent.skirting_height.value_or(0.0);
+  message->skirting_depth = sent.skirting_depth;
+}
+
+std::optional<double> LengthFrom(double value) {
+  return value == 0.0 ? std::nullopt : std::optional(value);
+}
+
+bool CorridorFrom(const corridor_pose_t& message,
+                  std::optional<CorridorGeometry>* corridor,
+                  std::string* reason) {
+  if (message.corridor.empty()) return true;
+  for (const double value : message.corridor_W) {
+    if (!std::isfinite(value)) {
+      return Refuse(reason, "corridor_W: ", value, " must be finite");
+    }
+  }
+  CorridorGeometry geometry;
+  geometry.name = message.corridor;
+  geometry.X_WL = PoseFrom(message.corridor_W);
+  geometry.width = LengthFrom(message.width);
+  geometry.height = LengthFrom(message.height);
+  geometry.skirting_height = LengthFrom(message.skirting_height);
+  geometry.skirting_depth = message.skirting_depth;
+  try {
+    geometry.Check();
+  } catch (const std::invalid_argument& error) {
+    Refuse(reason, error.what());
+    return false;
+  }
+  *corridor = geometry;
+  return true;
 }
 
 // The robot's pose in L, without its x.
@@ -96,7 +142,6 @@ corridor_pose_t ToMessage(const CorridorAnswer& answer) {
   message.utime = Microseconds(answer.time);
   message.seq = static_cast<std::int32_t>(answer.seq);
   message.source = answer.source;
-  message.corridor = answer.corridor;
   message.status = NameOf(estimate.status);
   message.reason = estimate.reason;
   message.has_heading = estimate.heading ? 1 : 0;
@@ -107,7 +152,9 @@ corridor_pose_t ToMessage(const CorridorAnswer& answer) {
     message.covariance[i] = estimate.covariance(i / 2, i % 2);
   }
   message.p_regular = estimate.p_regular;
-  CopyPose(answer.X_WL, message.corridor_W);
+  SetCorridor(answer.corridor, &message);
+  message.lines_us = static_cast<std::int32_t>(answer.lines_took.count());
+  message.pose_us = static_cast<std::int32_t>(answer.pose_took.count());
   CopyPose(answer.X_RS, message.sensor_R);
   message.has_vanishing_point = estimate.vanishing_point ? 1 : 0;
   const Eigen::Vector2d point =
@@ -146,8 +193,9 @@ std::optional<CorridorAnswer> CorridorAnswerFromMessage(
   answer.time = TimeFromMicroseconds(message.utime);
   answer.seq = message.seq;
   answer.source = message.source;
-  answer.corridor = message.corridor;
-  answer.X_WL = PoseFrom(message.corridor_W);
+  if (!CorridorFrom(message, &answer.corridor, reason)) return std::nullopt;
+  answer.lines_took = std::chrono::microseconds(message.lines_us);
+  answer.pose_took = std::chrono::microseconds(message.pose_us);
   answer.X_RS = PoseFrom(message.sensor_R);
   CorridorEstimate& estimate = answer.estimate;
   const auto status = CorridorStatusFromName(message.status);

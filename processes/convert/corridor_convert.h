@@ -17,10 +17,12 @@ namespace waymark {
 struct CorridorAnswer {
   Time time;  // Of the image.
   std::int64_t seq = 0;
-  std::string source;    // Camera, as in IMAGE_<source>.
-  Pose2 X_RS;            // Its mounting in the plane.
-  std::string corridor;  // Empty: in none that is known.
-  Pose2 X_WL;
+  std::string source;  // Camera, as in IMAGE_<source>.
+  Pose2 X_RS;          // Its mounting in the plane.
+  // Absent: in none that is known. Its ends are not sent.
+  std::optional<CorridorGeometry> corridor;
+  Duration lines_took{};  // To find the lines, and the pose from them; 0
+  Duration pose_took{};   // offline.
   // Its pixels are those of the camera's image.
   CorridorEstimate estimate;
 };
@@ -32,7 +34,8 @@ struct CorridorAnswer {
 // What ToMessage() was given, as far as it was sent: errors of lines are not.
 //
 // Returns nullopt and sets *reason where CorridorFixFromMessage() does, or the
-// status is none, a line's ends are not finite, or it is of no known edge.
+// status is none, the corridor's size is none that CorridorGeometry allows, a
+// line's ends are not finite, or it is of no known edge.
 // `reason` must not be null.
 [[nodiscard]] std::optional<CorridorAnswer> CorridorAnswerFromMessage(
     const corridor_pose_t& message, std::string* reason);

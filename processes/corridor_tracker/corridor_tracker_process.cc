@@ -122,9 +122,15 @@ CorridorEstimate CorridorTrackerProcess::EstimateOf(const cv::Mat1b& image,
       ChooseCorridor(corridors_, history_.At(tags.time));
   if (!choice.corridor) return None(CorridorStatus::kOutside, choice.reason);
   const CorridorGeometry& corridor = corridors_[*choice.corridor];
-  answer->corridor = corridor.name;
-  answer->X_WL = corridor.X_WL;
-  return tracker_->Estimate(image, X_RC, corridor, choice.prior);
+  answer->corridor = corridor;
+  const Time begin = bus_->now();
+  const LineSet lines = tracker_->FindLines(image);
+  const Time found = bus_->now();
+  CorridorEstimate estimate =
+      tracker_->EstimateFrom(lines, X_RC, corridor, choice.prior);
+  answer->lines_took = found - begin;
+  answer->pose_took = bus_->now() - found;
+  return estimate;
 }
 
 }  // namespace waymark

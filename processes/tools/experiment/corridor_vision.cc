@@ -69,8 +69,7 @@ void CorridorVision::OnTruth(const Pose2& X_WR, Time time) {
   answer.time = time;
   answer.seq = seq_++;
   answer.source = "MODEL";
-  answer.corridor = corridor_.name;
-  answer.X_WL = corridor_.X_WL;
+  answer.corridor = corridor_;
   answer.estimate = EstimateAt(Between(corridor_.X_WL, X_WR));
   bus_->PublishAt(time + DurationFromSeconds(options_.latency_s),
                   kCorridorPose,

@@ -43,8 +43,7 @@ std::vector<CorridorAnswer> Answers() {
     const Pose2 X_LR = Between(kCorridor, RobotAt(t));
     CorridorAnswer answer;
     answer.time = At(t);
-    answer.corridor = "corridor";
-    answer.X_WL = kCorridor;
+    answer.corridor.emplace().X_WL = kCorridor;
     answer.estimate.status =
         i % 10 == 3 ? CorridorStatus::kFaulty : CorridorStatus::kAccepted;
     answer.estimate.y = X_LR.y + (i % 10 == 3 ? 1.0 : 0.02);
@@ -102,7 +101,7 @@ TEST(EvaluateCorridor, WithoutReferenceItCounts) {
 TEST(EvaluateCorridor, OutsideNothingIsCompared) {
   std::vector<CorridorAnswer> answers = Answers();
   for (CorridorAnswer& answer : answers) {
-    answer.corridor.clear();
+    answer.corridor.reset();
     answer.estimate = CorridorEstimate();
     answer.estimate.status = CorridorStatus::kOutside;
   }

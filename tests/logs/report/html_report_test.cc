@@ -1,7 +1,10 @@
 #include "logs/report/html_report.h"
 
 #include "estimation/base/input_error.h"
+#include "estimation/geometry/angle.h"
 #include "logs/report/svg_plot.h"
+#include "processes/convert/camera_convert.h"
+#include "processes/convert/corridor_convert.h"
 #include "processes/support/log_file.h"
 #include "processes/support/output_file.h"
 #include "tests/logs/evaluation/synthetic_log.h"
@@ -12,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <vector>
@@ -156,6 +160,85 @@ TEST(HtmlReport, ShowsWhatTheCameraSawAndTheGivenPictures) {
        ++at) {
     EXPECT_TRUE(page.substr(at).starts_with("src=\"data:image/"));
   }
+}
+
+// Ten images with an answer each; the third says why it has none.
+LogEvaluation SeenOfACorridor() {
+  const std::string path =
+      (std::filesystem::path(testing::TempDir()) / "html_report_test_8.lcm")
+          .string();
+  CameraDescription camera;
+  camera.size = {64, 48};
+  camera.model = PerspectiveCamera(Intrinsics{46.0, 46.0, 31.5, 23.5});
+  camera.X_RC.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  camera.X_RC.translation() << 0.1, 0.0, 0.6;
+  ImageEncoder encoder({});
+  std::string reason;
+  LogWriter writer(path, IfExists::kReplace);
+  for (int i = 0; i < 10; ++i) {
+    const Time time = TimeFromMicroseconds(1'700'000'000'000'000 + 100'000 * i);
+    if (i == 0) {
+      writer.Write("CAMERA_INFO_FRONT", ToMessage(camera, "FRONT", time, 0));
+    }
+    ImageTags tags;
+    tags.time = time;
+    tags.seq = i < 5 ? i : i + 2;
+    writer.Write(
+        "IMAGE_FRONT",
+        *encoder.Encode(cv::Mat1b(48, 64, std::uint8_t{90}), tags, &reason));
+    CorridorAnswer answer;
+    answer.time = time;
+    answer.source = "FRONT";
+    answer.seq = i;
+    answer.corridor.emplace().width = 2.0;
+    answer.lines_took = std::chrono::microseconds(2000 + i);
+    answer.pose_took = std::chrono::microseconds(500);
+    CorridorEstimate& estimate = answer.estimate;
+    if (i == 2) {
+      estimate.status = CorridorStatus::kNoLines;
+      estimate.reason = "no <lines> in the image";
+    } else {
+      estimate.status = CorridorStatus::kAccepted;
+      estimate.y = 0.123;
+      estimate.heading = RadiansFromDegrees(-4.0);
+      estimate.covariance = 1e-4 * Eigen::Matrix2d::Identity();
+    }
+    writer.Write("CORRIDOR_POSE", ToMessage(answer));
+  }
+  writer.Close();
+  LogEvaluation evaluation = EvaluateRecording(ReadRecording({&path, 1}), {});
+  std::filesystem::remove(path);
+  return evaluation;
+}
+
+TEST(HtmlReport, ShowsWhatWasSeenOfACorridor) {
+  const LogEvaluation evaluation = SeenOfACorridor();
+  const std::string page = HtmlReport({&evaluation, 1}, {});
+  EXPECT_EQ(NestingMistake(page), "");
+  for (const char* text : {"Seen of the corridor",
+                           "IMAGE_FRONT: 10 images, 2 lost",
+                           ">0.0 s: accepted, y +12.3 cm, -4.0°<",
+                           ">0.9 s: accepted",
+                           "where edges should be",
+                           "<td class=\"name\">accepted</td><td>9</td>"
+                           "<td>90.0 %</td>",
+                           "no &lt;lines&gt; in the image",
+                           "to find the lines",
+                           "2.00 ms"}) {
+    EXPECT_THAT(page, HasSubstr(text));
+  }
+  // Shown once, with the lines.
+  EXPECT_THAT(page, Not(HasSubstr(">IMAGE_FRONT, 0.0 s<")));
+  EXPECT_EQ(page, HtmlReport({&evaluation, 1}, {}));
+}
+
+TEST(HtmlReport, ShowsImagesWithoutACalibrationAsTheyAre) {
+  LogEvaluation evaluation = SeenOfACorridor();
+  evaluation.recording.cameras.clear();
+  const std::string page = HtmlReport({&evaluation, 1}, {});
+  EXPECT_EQ(NestingMistake(page), "");
+  EXPECT_THAT(page, HasSubstr("Seen of the corridor"));
+  EXPECT_THAT(page, HasSubstr(">IMAGE_FRONT, 0.0 s<"));
 }
 
 TEST(LoadReportPicture, RefusesWhatIsNoPicture) {

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -17,8 +18,14 @@ CorridorAnswer Answer() {
   answer.seq = 7;
   answer.source = "FRONT";
   answer.X_RS = {0.12, -0.03, 0.2};
-  answer.corridor = "corridor";
-  answer.X_WL = {5.0, -2.0, 0.7};
+  CorridorGeometry& corridor = answer.corridor.emplace();
+  corridor.name = "long one";
+  corridor.width = 2.0;
+  corridor.skirting_height = 0.08;
+  corridor.skirting_depth = 0.012;
+  corridor.X_WL = {5.0, -2.0, 0.7};
+  answer.lines_took = std::chrono::microseconds(2100);
+  answer.pose_took = std::chrono::microseconds(900);
   answer.estimate.status = CorridorStatus::kAccepted;
   answer.estimate.heading = -0.3;
   answer.estimate.y = 0.4;
@@ -45,12 +52,13 @@ TEST(CorridorConvert, FixIsWhereTheCameraIs) {
   EXPECT_FALSE(fix->has[0]);
   for (const double x : {-3.0, 0.0, 11.0}) {
     const Pose2 X_LR{x, *answer.estimate.y, *answer.estimate.heading};
-    const FixPrediction predicted = PredictFix(*fix, answer.X_WL * X_LR);
+    const FixPrediction predicted =
+        PredictFix(*fix, answer.corridor->X_WL * X_LR);
     ASSERT_EQ(predicted.residual.size(), 2);
     EXPECT_NEAR(predicted.residual.norm(), 0.0, 1e-12);
     // The other way round the mounting would leave some 6 cm.
     const FixPrediction turned =
-        PredictFix(*fix, answer.X_WL * Pose2{x, 0.4, 0.3});
+        PredictFix(*fix, answer.corridor->X_WL * Pose2{x, 0.4, 0.3});
     EXPECT_GT(turned.residual.norm(), 0.1);
   }
 }
@@ -120,8 +128,15 @@ TEST(CorridorConvert, AnswersComeBack) {
   ASSERT_TRUE(back) << reason;
   EXPECT_EQ(back->time, answer.time);
   EXPECT_EQ(back->source, answer.source);
-  EXPECT_EQ(back->corridor, answer.corridor);
-  EXPECT_EQ(back->X_WL, answer.X_WL);
+  ASSERT_TRUE(back->corridor);
+  EXPECT_EQ(back->corridor->name, answer.corridor->name);
+  EXPECT_EQ(back->corridor->X_WL, answer.corridor->X_WL);
+  EXPECT_EQ(back->corridor->width, 2.0);
+  EXPECT_EQ(back->corridor->height, std::nullopt);
+  EXPECT_EQ(back->corridor->skirting_height, 0.08);
+  EXPECT_EQ(back->corridor->skirting_depth, 0.012);
+  EXPECT_EQ(back->lines_took, answer.lines_took);
+  EXPECT_EQ(back->pose_took, answer.pose_took);
   EXPECT_EQ(back->X_RS, answer.X_RS);
   EXPECT_EQ(back->estimate.status, answer.estimate.status);
   EXPECT_EQ(back->estimate.y, answer.estimate.y);
@@ -137,6 +152,14 @@ TEST(CorridorConvert, AnswersComeBack) {
   message = ToMessage(answer);
   message.lines[0].edge = 8;
   EXPECT_FALSE(CorridorAnswerFromMessage(message, &reason));
+  for (const double width : {-2.0, 1e9, std::nan("")}) {
+    message = ToMessage(answer);
+    message.width = width;
+    EXPECT_FALSE(CorridorAnswerFromMessage(message, &reason)) << width;
+  }
+  message = ToMessage(answer);
+  message.corridor.clear();
+  EXPECT_FALSE(CorridorAnswerFromMessage(message, &reason)->corridor);
 }
 
 TEST(CorridorConvert, RefusesWhatCannotBe) {

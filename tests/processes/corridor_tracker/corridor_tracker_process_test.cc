@@ -95,6 +95,11 @@ TEST_F(CorridorTrackerProcessTest, SaysWhereItIsFromAnImage) {
   EXPECT_EQ(answers[0].utime, Microseconds(kStart));
   EXPECT_EQ(answers[0].source, "FRONT");
   EXPECT_EQ(answers[0].corridor, "corridor");
+  // What whoever draws it needs; times are those of a bus that is live.
+  EXPECT_EQ(answers[0].width, 2.0);
+  EXPECT_EQ(answers[0].height, 2.5);
+  EXPECT_EQ(answers[0].lines_us, 0);
+  EXPECT_EQ(answers[0].pose_us, 0);
   EXPECT_NEAR(answers[0].y_L, 0.3, 0.01);
   EXPECT_NEAR(answers[0].heading_L, RadiansFromDegrees(-7.0), 0.003);
   EXPECT_DOUBLE_EQ(answers[0].corridor_W[1], 1.0);
