@@ -48,18 +48,32 @@ class SegmentMerger {
     bool is_turned;  // Against the direction of a directed set.
   };
 
-  // An end of a piece, at `near`, from which it leads to `far`.
-  struct End {
-    float near_x;
-    float near_y;
-    float far_x;
-    float far_y;
-    std::int32_t code;  // 2 part, + 1 where `near` is its b.
+  // Ends of pieces, at `near`, from which they lead to `far`; cell by cell, row
+  // after row of them. Coordinates one after another, for four ends at a time.
+  struct Ends {
+    std::vector<float> near_x;  // Infinite once the piece is used.
+    std::vector<float> near_y;
+    std::vector<float> far_x;
+    std::vector<float> far_y;
+    std::vector<std::int32_t> code;  // 2 part, + 1 where `near` is its b.
+
+    void Resize(std::size_t num);
+  };
+
+  // What a trace may go on with, and the best so far.
+  struct Continuation {
+    std::int32_t code = -1;
+    LineMoments moments;
+    LineFit fit;
+    double least = 0.0;  // Mean square across.
   };
 
   void FillCells(const LineParts& parts, int width, int height);
   // Joins the best piece at the end b of the trace; false where there is none.
   bool Extend(const LineParts& parts);
+  // Takes the end, an index of ends_, if it is better than what there is.
+  void Consider(const LineParts& parts, std::size_t end, Continuation* best);
+  void Use(std::size_t part);
   void Turn();
   void Emit(const LineParts& parts, LineSet* set);
 
@@ -67,10 +81,10 @@ class SegmentMerger {
   int num_columns_ = 0;
   int num_rows_ = 0;
   std::vector<std::int32_t> first_;  // End of each cell, and one past the last.
-  std::vector<End> ends_;            // Cell by cell, row after row of them.
+  Ends ends_;
+  std::vector<std::int32_t> end_of_;  // Of each code, its index in ends_.
   std::vector<char> is_used_;
   Trace trace_;
-  std::vector<std::int32_t> order_;
 };
 
 // Errors of a segment of this length whose pixels lie across_px (root mean

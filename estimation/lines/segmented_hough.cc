@@ -1,5 +1,7 @@
 #include "estimation/lines/segmented_hough.h"
 
+#include "estimation/lines/fullest_line.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,10 +10,6 @@
 #include <numbers>
 #include <stdexcept>
 #include <vector>
-
-#if defined(__x86_64__)
-#define WAYMARK_POPCNT __attribute__((target("popcnt")))
-#endif
 
 namespace waymark {
 namespace {
@@ -50,16 +48,20 @@ Word Transpose(Word w) {
   return w ^ t ^ (t << 28);
 }
 
-// What `seed` is connected to in `field`, diagonals included.
-Word Connected(Word seed, Word field) {
+// What is connected to `seed` in `field`, diagonals included, one step farther.
+Word Grow(Word seed, Word field) {
   constexpr Word kNotFirst = 0xFEFEFEFEFEFEFEFEull;
   constexpr Word kNotLast = 0x7F7F7F7F7F7F7F7Full;
+  const Word row = seed | ((seed << 1) & kNotFirst) | ((seed >> 1) & kNotLast);
+  return (row | row << 8 | row >> 8) & field;
+}
+
+// What `seed` is connected to in `field`, diagonals included.
+Word Connected(Word seed, Word field) {
   Word before = 0;
   while (seed != before) {
-    before = seed;
-    const Word row =
-        seed | ((seed << 1) & kNotFirst) | ((seed >> 1) & kNotLast);
-    seed = (row | row << 8 | row >> 8) & field;
+    before = Grow(Grow(Grow(seed, field), field), field);
+    seed = Grow(before, field);
   }
   return seed;
 }
@@ -125,44 +127,6 @@ void AddPart(const LineMoments& moments,
   parts->parts.push_back(part);
 }
 
-// The fullest of the lines; the first of equal ones.
-struct BestLine {
-  int index = 0;
-  int count = 0;
-};
-
-inline __attribute__((always_inline)) BestLine FullestOf(const Word* lines,
-                                                         int num_lines,
-                                                         Word tile) {
-  BestLine best;
-  for (int i = 0; i < num_lines; ++i) {
-    const int count = __builtin_popcountll(lines[i] & tile);
-    if (count > best.count) best = {i, count};
-  }
-  return best;
-}
-
-BestLine PortableFullest(const Word* lines, int num_lines, Word tile) {
-  return FullestOf(lines, num_lines, tile);
-}
-
-#if defined(WAYMARK_POPCNT)
-WAYMARK_POPCNT BestLine WideFullest(const Word* lines,
-                                    int num_lines,
-                                    Word tile) {
-  return FullestOf(lines, num_lines, tile);
-}
-#endif
-
-using Fullest = BestLine (*)(const Word*, int, Word);
-
-Fullest ChooseFullest() {
-#if defined(WAYMARK_POPCNT)
-  if (__builtin_cpu_supports("popcnt") != 0) return WideFullest;
-#endif
-  return PortableFullest;
-}
-
 }  // namespace
 
 struct SegmentedHough::Tables {
@@ -176,7 +140,7 @@ struct SegmentedHough::Tables {
   std::array<Word, 256> rows{};
   // The lines of a tile of eight, one and a half pixels wide.
   std::vector<Word> lines;
-  Fullest fullest = ChooseFullest();
+  FindFullestLine fullest = ChooseFindFullestLine();
 
   Tables() {
     for (int y = 0; y < kLiteralSide; ++y) {
@@ -217,6 +181,8 @@ struct SegmentedHough::Tables {
         if (std::popcount(line) >= kChance) lines.push_back(line);
       }
     }
+    // What is empty takes no pixel.
+    while (lines.size() % kLineBlock != 0) lines.push_back(0);
   }
 
   // 7^2 * 140 < 2^16, so no field runs over.
@@ -371,7 +337,7 @@ void SegmentedHough::FindWords(const EdgeImage& edges, LineParts* parts) const {
         continue;
       }
       while (true) {
-        const BestLine best =
+        const FullestLine best =
             tables_->fullest(tables_->lines.data(),
                              static_cast<int>(tables_->lines.size()),
                              group);

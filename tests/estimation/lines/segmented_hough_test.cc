@@ -1,6 +1,7 @@
 #include "estimation/lines/segmented_hough.h"
 
 #include "estimation/base/random.h"
+#include "estimation/lines/fullest_line.h"
 #include "estimation/lines/segment_merger.h"
 
 #include <gtest/gtest.h>
@@ -141,6 +142,35 @@ TEST(SegmentedHough, RefusesOptionsOutOfRange) {
   options = {};
   options.max_rms_px = 0.0;
   EXPECT_THROW(SegmentedHough{options}, std::invalid_argument);
+}
+
+// The fastest on this processor takes the same line as the portable one: the
+// first of the fullest.
+TEST(FullestLine, IsTheSameOnAnyProcessor) {
+  const FindFullestLine find = ChooseFindFullestLine();
+  Random random(4);
+  const auto draw = [&random] {
+    std::uint64_t word = 0;
+    for (int i = 0; i < 64; ++i) {
+      word = word << 1 | (random.Uniform() < 0.3 ? 1 : 0);
+    }
+    return word;
+  };
+  std::vector<std::uint64_t> lines(24 * kLineBlock);
+  for (int round = 0; round < 200; ++round) {
+    for (std::uint64_t& line : lines) line = draw();
+    // Some twice, and some empty.
+    lines[100] = lines[7];
+    lines[101] = 0;
+    const std::uint64_t tile = draw();
+    const int num = static_cast<int>(lines.size());
+    const FullestLine expected =
+        FindFullestLinePortably(lines.data(), num, tile);
+    const FullestLine found = find(lines.data(), num, tile);
+    EXPECT_EQ(found.index, expected.index);
+    EXPECT_EQ(found.count, expected.count);
+    EXPECT_EQ(find(lines.data(), num, 0).count, 0);
+  }
 }
 
 TEST(SegmentMerger, JoinsOverAGapButNotOverALargerOne) {
