@@ -38,6 +38,12 @@ struct LineDirection {
   [[nodiscard]] Eigen::Vector3d Normal() const { return across_C.normalized(); }
 };
 
+// What is known of a direction in C before lines are seen.
+struct DirectionPrior {
+  Eigen::Vector3d n_C = Eigen::Vector3d::UnitZ();  // Unit.
+  double sigma_rad = 0.1;  // 1 sigma about any axis across it.
+};
+
 // One for each line. Throws std::logic_error if an end is not finite, both
 // ends are one, or a sigma is not positive.
 [[nodiscard]] std::vector<LineDirection> LineDirections(

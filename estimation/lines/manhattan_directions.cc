@@ -1,15 +1,15 @@
 #include "estimation/lines/manhattan_directions.h"
 
-#include "estimation/geometry/angle.h"
+#include "estimation/base/check.h"
+#include "estimation/lines/manhattan_likelihood.h"
+#include "estimation/lines/manhattan_search.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -17,150 +17,91 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kNumBins = 90;  // Of a right angle: a degree each.
+// Longest lines that a search for rotations is content with.
+constexpr std::size_t kNumSearched = 250;
 
-struct Line {
-  LineDirection direction;
-  Vector3d normal;
-  double length;
-};
+// Of a line that likelier runs along it than not; -1: along none.
+int AxisOf(const ManhattanLikelihood& likelihood,
+           const LineDirection& line,
+           const Matrix3d& R_CM) {
+  const int axis = likelihood.ClosestAxis(line, R_CM);
+  if (axis < 0) return -1;
+  return likelihood.FitOf(line, R_CM.col(axis)).belief > 1.0 ? axis : -1;
+}
 
-struct Hypothesis {
-  Matrix3d R_CM;
-  double score;
-};
-
-class Search {
- public:
-  Search(std::vector<Line> lines, const ManhattanOptions& options)
-      : lines_(std::move(lines)),
-        options_(options),
-        odds_(options.inlier_share / (3.0 * (1.0 - options.inlier_share)) *
-              std::sqrt(0.5 * kPi)) {}
-
-  std::vector<Hypothesis> Proposals() const {
-    std::vector<Hypothesis> found;
-    const std::size_t num =
-        std::min(lines_.size(), static_cast<std::size_t>(options_.num_seeds));
-    for (std::size_t i = 0; i < num; ++i) {
-      for (std::size_t j = i + 1; j < num; ++j) {
-        const Vector3d axis = lines_[i].normal.cross(lines_[j].normal);
-        // Pieces of one line propose nothing.
-        if (axis.norm() < 0.02) continue;
-        found.push_back(Complete(axis.normalized()));
-      }
+// Axes with two lines that are not pieces of one.
+int NumSupported(const std::vector<LineDirection>& directions,
+                 const std::vector<int>& axis_of_line,
+                 int num_axes,
+                 double min_angle_rad) {
+  int num = 0;
+  for (int k = 0; k < num_axes; ++k) {
+    std::optional<Vector3d> first;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+      if (axis_of_line[i] != k) continue;
+      const Vector3d normal = directions[i].Normal();
+      if (!first) first = normal;
+      if (first->cross(normal).norm() <= min_angle_rad) continue;
+      ++num;
+      break;
     }
-    std::stable_sort(
-        found.begin(), found.end(), [](const auto& a, const auto& b) {
-          return a.score > b.score;
-        });
-    return found;
   }
+  return num;
+}
 
-  // How far from chance that the line runs along n_C, and its error.
-  double Belief(const Line& line, const Vector3d& n_C, double* sigma) const {
-    const LineDirection& d = line.direction;
-    const double along = std::abs(d.along_C.dot(n_C));
-    *sigma = std::hypot(d.Sigma(n_C), options_.model_sigma_rad * along);
-    const double z = d.across_C.dot(n_C) / *sigma;
-    const double angle = *sigma / std::max(along, *sigma);
-    return odds_ / angle * std::exp(-0.5 * z * z);
+std::span<const LineSegment> FirstOf(const std::vector<LineSegment>& lines,
+                                     int num) {
+  return std::span<const LineSegment>(lines).first(
+      std::min(lines.size(), static_cast<std::size_t>(num)));
+}
+
+// The likeliest of the proposals, near its maximum.
+std::optional<Matrix3d> BestRotation(const std::vector<LineDirection>& lines,
+                                     const std::optional<DirectionPrior>& prior,
+                                     const ManhattanOptions& options) {
+  // Enough to tell them apart; the best goes on.
+  constexpr int kMaxSteps = 6;
+  constexpr double kConverged = 1e-4;
+  const ManhattanSearch search(
+      std::span<const LineDirection>(lines).first(
+          std::min(lines.size(), kNumSearched)),
+      ManhattanLikelihood::OddsOf(options.inlier_share));
+  const ManhattanLikelihood likelihood(lines,
+                                       std::vector<double>(lines.size(), 1.0),
+                                       prior,
+                                       options.model_sigma_rad,
+                                       options.inlier_share);
+  std::optional<Matrix3d> best;
+  double most = 0.0;
+  for (Matrix3d R_CM : search.Propose(
+           options.num_seeds,
+           prior ? std::optional<Vector3d>(-prior->n_C) : std::nullopt,
+           options.num_refined)) {
+    if (!likelihood.Climb(&R_CM, kMaxSteps, kConverged)) continue;
+    const double support = likelihood.Support(R_CM);
+    if (support <= most) continue;
+    most = support;
+    best = R_CM;
   }
+  return best;
+}
 
-  double Support(const Matrix3d& R_CM) const {
-    double support = 0.0;
-    for (const Line& line : lines_) {
-      double sum = 1.0;
-      double sigma = 0.0;
-      for (int k = 0; k < 3; ++k) sum += Belief(line, R_CM.col(k), &sigma);
-      support += std::log(sum);
-    }
-    return support;
+std::optional<DirectionPrior> Checked(
+    const std::optional<DirectionPrior>& gravity) {
+  if (!gravity) return std::nullopt;
+  if (!(gravity->sigma_rad > 0.0) || !(gravity->sigma_rad <= 0.05)) {
+    throw std::invalid_argument("gravity's sigma_rad must be in (0, 0.05]");
   }
-
-  // Returns the information on a turn of R_CM in C.
-  Matrix3d Refine(Matrix3d* R_CM) const {
-    constexpr int kMaxIterations = 30;
-    constexpr double kConverged = 1e-11;
-    Matrix3d information;
-    for (int i = 0; i < kMaxIterations; ++i) {
-      information.setZero();
-      Vector3d pull = Vector3d::Zero();
-      for (const Line& line : lines_) {
-        std::array<double, 3> belief{};
-        std::array<double, 3> sigma{};
-        double sum = 1.0;
-        for (int k = 0; k < 3; ++k) {
-          const auto at = static_cast<std::size_t>(k);
-          belief[at] = Belief(line, R_CM->col(k), &sigma[at]);
-          sum += belief[at];
-        }
-        for (int k = 0; k < 3; ++k) {
-          const auto at = static_cast<std::size_t>(k);
-          const Vector3d n_C = R_CM->col(k);
-          // across' (turn x n) = turn' (n x across).
-          const Vector3d slope = n_C.cross(line.direction.across_C) / sigma[at];
-          const double weight = belief[at] / sum;
-          information += weight * slope * slope.transpose();
-          pull -= weight * slope * line.direction.across_C.dot(n_C) / sigma[at];
-        }
-      }
-      const Eigen::FullPivLU<Matrix3d> lu(information);
-      if (!lu.isInvertible()) break;
-      const Vector3d turn = lu.solve(pull);
-      if (turn.norm() > 0.2) break;  // Off its own maximum: left as it is.
-      if (turn.norm() > 0.0) {
-        *R_CM = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * *R_CM;
-      }
-      if (turn.norm() < kConverged) break;
-    }
-    return information;
-  }
-
- private:
-  Hypothesis Complete(const Vector3d& axis) const {
-    const Vector3d e1 = axis.unitOrthogonal();
-    const Vector3d e2 = axis.cross(e1);
-    std::array<double, kNumBins> bins{};
-    double score = 0.0;
-    for (const Line& line : lines_) {
-      double sigma = 0.0;
-      const double own = Belief(line, axis, &sigma);
-      const double weight = line.length * own / (1.0 + own);
-      score += weight;
-      const double a = line.normal.dot(e1);
-      const double b = line.normal.dot(e2);
-      const double heading = std::atan2(-a, b) + kPi;
-      const auto bin = static_cast<std::size_t>(heading / (0.5 * kPi) *
-                                                static_cast<double>(kNumBins));
-      // A plane across the axis says nothing of headings about it.
-      bins[bin % kNumBins] += (line.length - weight) * (a * a + b * b);
-    }
-    const auto smooth = [&](std::size_t i) {
-      return bins[i] + 0.7 * (bins[(i + 1) % kNumBins] +
-                              bins[(i + kNumBins - 1) % kNumBins]);
-    };
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < kNumBins; ++i) {
-      if (smooth(i) > smooth(best)) best = i;
-    }
-    const double h = (static_cast<double>(best) + 0.5) * 0.5 * kPi / kNumBins;
-    Matrix3d R_CM;
-    R_CM.col(0) = axis;
-    R_CM.col(1) = std::cos(h) * e1 + std::sin(h) * e2;
-    R_CM.col(2) = axis.cross(R_CM.col(1));
-    return {R_CM, score + smooth(best)};
-  }
-
-  std::vector<Line> lines_;
-  ManhattanOptions options_;
-  double odds_;
-};
+  // A unit vector but for rounding of its source.
+  WAYMARK_CHECK(std::abs(gravity->n_C.norm() - 1.0) < 1e-6);
+  return DirectionPrior{gravity->n_C.normalized(), gravity->sigma_rad};
+}
 
 }  // namespace
 
 void ManhattanOptions::Check() const {
-  if (max_lines < 3) throw std::invalid_argument("max_lines: at least 3");
+  collinear.Check();
+  if (max_lines < 4) throw std::invalid_argument("max_lines: at least 4");
   if (num_seeds < 3) throw std::invalid_argument("num_seeds: at least 3");
   if (num_refined < 1) throw std::invalid_argument("num_refined: at least 1");
   if (!(model_sigma_rad > 0.0) || !(model_sigma_rad <= 0.1)) {
@@ -169,61 +110,52 @@ void ManhattanOptions::Check() const {
   if (!(inlier_share > 0.0) || !(inlier_share < 1.0)) {
     throw std::invalid_argument("inlier_share must be in (0, 1)");
   }
+  if (!(min_angle_rad > 0.0) || !(min_angle_rad <= 1.0)) {
+    throw std::invalid_argument("min_angle_rad must be in (0, 1]");
+  }
 }
 
-std::optional<ManhattanDirections> FindManhattanDirections(
+ManhattanReport FindManhattanDirections(
     std::span<const LineSegment> lines,
     const PinholeView& view,
+    const std::optional<DirectionPrior>& gravity,
     const ManhattanOptions& options) {
   options.Check();
+  const std::optional<DirectionPrior> prior = Checked(gravity);
   const std::vector<LineDirection> directions = LineDirections(lines, view);
-  std::vector<Line> sorted;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    sorted.push_back({directions[i],
-                      directions[i].Normal(),
-                      (lines[i].b - lines[i].a).norm()});
+  const std::size_t least = prior ? 2 : 4;
+  if (lines.size() < least) {
+    return {std::nullopt,
+            std::to_string(lines.size()) + " lines: at least " +
+                std::to_string(least) + " are needed"};
   }
-  std::stable_sort(
-      sorted.begin(), sorted.end(), [](const auto& a, const auto& b) {
-        return a.length > b.length;
-      });
-  if (sorted.size() > static_cast<std::size_t>(options.max_lines)) {
-    sorted.erase(sorted.begin() + options.max_lines, sorted.end());
-  }
-  const Search search(std::move(sorted), options);
-  std::optional<ManhattanDirections> best;
-  double most = 0.0;
-  int num_left = options.num_refined;
-  for (const Hypothesis& hypothesis : search.Proposals()) {
-    if (num_left-- == 0) break;
-    Matrix3d R_CM = hypothesis.R_CM;
-    const Eigen::FullPivLU<Matrix3d> lu(search.Refine(&R_CM));
-    const double support = search.Support(R_CM);
-    if (!lu.isInvertible() || support <= most) continue;
-    most = support;
-    best = ManhattanDirections{R_CM, lu.inverse(), {}};
-  }
-  if (!best) return std::nullopt;
-  std::array<int, 3> num_of_axis{};
+  const JoinedSegments joined = JoinCollinear(lines, options.collinear);
+  std::optional<Matrix3d> R_CM = BestRotation(
+      LineDirections(FirstOf(joined.segments, options.max_lines), view),
+      prior,
+      options);
+  if (!R_CM) return {std::nullopt, "the lines agree on no directions"};
+  std::vector<double> weights;
+  for (const int num : joined.num_pieces) weights.push_back(1.0 / num);
+  const ManhattanLikelihood likelihood(directions,
+                                       std::move(weights),
+                                       prior,
+                                       options.model_sigma_rad,
+                                       options.inlier_share);
+  const std::optional<Matrix3d> covariance = likelihood.Settle(&*R_CM);
+  if (!covariance) return {std::nullopt, "the lines leave a turn open"};
+  ManhattanDirections found{*R_CM, *covariance, {}};
   for (const LineDirection& direction : directions) {
-    int axis = -1;
-    double most_belief = 1.0;
-    for (int k = 0; k < 3; ++k) {
-      double sigma = 0.0;
-      const double belief = search.Belief(
-          {direction, direction.Normal(), 0.0}, best->R_CM.col(k), &sigma);
-      if (belief > most_belief) {
-        most_belief = belief;
-        axis = k;
-      }
-    }
-    best->axis_of_line.push_back(axis);
-    if (axis >= 0) ++num_of_axis[static_cast<std::size_t>(axis)];
+    found.axis_of_line.push_back(AxisOf(likelihood, direction, *R_CM));
   }
-  const auto num_seen = std::count_if(
-      num_of_axis.begin(), num_of_axis.end(), [](int num) { return num > 0; });
-  if (num_seen < 2) return std::nullopt;
-  return best;
+  const int num_supported = NumSupported(
+      directions, found.axis_of_line, prior ? 2 : 3, options.min_angle_rad);
+  if (num_supported < (prior ? 1 : 2)) {
+    return {std::nullopt,
+            num_supported == 0 ? "no two lines run along one direction"
+                               : "lines run along one direction alone"};
+  }
+  return {std::move(found), {}};
 }
 
 }  // namespace waymark

@@ -27,12 +27,6 @@ struct VanishingPointOptions {
   void Check() const;
 };
 
-// A direction in C and its error: 1 sigma about any axis across it.
-struct DirectionPrior {
-  Eigen::Vector3d n_C = Eigen::Vector3d::UnitZ();  // Unit.
-  double sigma_rad = 0.1;                          // In (0, 0.5].
-};
-
 struct VanishingPoint {
   Eigen::Vector3d n_C = Eigen::Vector3d::UnitZ();  // Unit; prior's half.
   // Two unit vectors across n_C, and the covariance of n_C along them, to
@@ -50,6 +44,8 @@ struct VanishingPoint {
 // III.B]. Points are those of an image plane across the prior's direction,
 // which any vanishing point within its gate can reach, at infinity of the
 // camera's image or not.
+//
+//   prior   sigma in (0, 0.5]
 //
 // nullopt without an intersection in the gate. Throws std::logic_error for
 // lines, and std::invalid_argument for options or a prior, that are out of

@@ -341,9 +341,10 @@ struct Method {
 };
 
 std::optional<Matrix3d> Ours(std::span<const LineSegment> lines) {
-  const auto found = FindManhattanDirections(lines, YorkView(), {});
-  if (!found) return std::nullopt;
-  return found->R_CM;
+  const ManhattanReport report =
+      FindManhattanDirections(lines, YorkView(), std::nullopt, {});
+  if (!report.directions) return std::nullopt;
+  return report.directions->R_CM;
 }
 
 std::vector<LineSegment> SegmentsFrom(const std::vector<cv::Vec4f>& lines) {

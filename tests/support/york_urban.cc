@@ -85,7 +85,7 @@ PinholeView YorkView() {
 }
 
 LineSegment SegmentBetween(const Vector2d& a, const Vector2d& b) {
-  constexpr double kEndPx = 0.5;
+  constexpr double kEndPx = 0.3;
   LineSegment segment;
   segment.a = a;
   segment.b = b;

@@ -18,7 +18,7 @@ struct YorkPhotograph {
   // Columns: the labelled axes in C, unit, nearly orthogonal.
   Eigen::Matrix3d axes_C = Eigen::Matrix3d::Identity();
   // Found by LSD, as the data set has them. Their errors are not stated there:
-  // ends of half a pixel each are supposed.
+  // ends of 0.3 px each are supposed.
   std::vector<LineSegment> segments;
 };
 
@@ -27,7 +27,7 @@ struct YorkPhotograph {
 [[nodiscard]] std::vector<YorkPhotograph> ReadYorkPhotographs();
 [[nodiscard]] PinholeView YorkView();
 
-// Segment between two ends of half a pixel's error each.
+// Segment between two ends of 0.3 px of error each.
 [[nodiscard]] LineSegment SegmentBetween(const Eigen::Vector2d& a,
                                          const Eigen::Vector2d& b);
 
