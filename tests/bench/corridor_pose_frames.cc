@@ -6,6 +6,7 @@
 #include "processes/convert/corridor_file.h"
 #include "processes/convert/world_file.h"
 
+#include <Eigen/LU>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -91,13 +92,15 @@ void PoseScore::Add(const CorridorEstimate& found,
   ++num_frames;
   times_ms.push_back(time_ms);
   if (found.status != CorridorStatus::kAccepted) return;
-  const double y = std::abs(found.y.value() - X_LR.y);
-  const double heading =
-      std::abs(WrapAngle(found.heading.value() - X_LR.heading));
+  const Eigen::Vector2d error(found.y.value() - X_LR.y,
+                              WrapAngle(found.heading.value() - X_LR.heading));
+  const double y = std::abs(error.x());
+  const double heading = std::abs(error.y());
   y_errors.push_back(y);
   heading_errors.push_back(heading);
   worst_sigmas.push_back(std::max(y / std::sqrt(found.covariance(0, 0)),
                                   heading / std::sqrt(found.covariance(1, 1))));
+  nees.push_back(error.dot(found.covariance.inverse() * error));
 }
 
 double PoseScore::AcceptedPercent() const {
