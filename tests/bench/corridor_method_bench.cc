@@ -77,8 +77,8 @@ std::vector<BenchRow> BenchMethods(bool full) {
     });
     beside.Add(
         "Y12",
-        "squared error by stated, median",
-        "1.39 if true",
+        "squared error by stated, median (1.39 if true)",
+        "",
         [](const PoseScore& score) { return Quantile(score.nees, 0.5); });
     beside.Add("Y9", "lines and pose, one core", "ms", MedianTime);
     rows.insert(rows.end(), beside.rows().begin(), beside.rows().end());
