@@ -12,10 +12,13 @@
 #include <opencv2/ximgproc/fast_line_detector.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace waymark {
@@ -183,6 +186,97 @@ std::vector<BenchRow> BenchEdges(bool full) {
   return rows;
 }
 
+// How well lines, of whatever length, lie on the exact edges of 20 px or more:
+// of each edge the nearest that passes both its ends within 1.5 px.
+struct LineAccuracy {
+  double median_offset_px = 0.0;  // At the edge's middle.
+  double median_far_px = 0.0;     // At the end where it is farther.
+  std::int64_t num_edges = 0;     // That have one.
+};
+
+LineAccuracy AccuracyOf(const std::vector<LineFrame>& frames,
+                        const std::vector<std::vector<FoundSegment>>& found) {
+  std::vector<double> offsets;
+  std::vector<double> far_ends;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (const TrueEdge& edge : frames[f].edges) {
+      const Eigen::Vector2d way = edge.b - edge.a;
+      if (way.norm() < 20.0) continue;
+      double least = 1.5;
+      double far_end = 0.0;
+      bool is_found = false;
+      for (const FoundSegment& line : found[f]) {
+        const Eigen::Vector2d d = (line.b - line.a).normalized();
+        const Eigen::Vector2d n(-d.y(), d.x());
+        const double at_a = n.dot(edge.a - line.a);
+        const double at_b = n.dot(edge.b - line.a);
+        if (std::max(std::abs(at_a), std::abs(at_b)) > 1.5) continue;
+        const double offset = 0.5 * std::abs(at_a + at_b);
+        if (offset > least) continue;
+        least = offset;
+        far_end = std::max(std::abs(at_a), std::abs(at_b));
+        is_found = true;
+      }
+      if (!is_found) continue;
+      offsets.push_back(least);
+      far_ends.push_back(far_end);
+    }
+  }
+  if (offsets.empty()) return {};
+  return {Median(offsets),
+          Median(far_ends),
+          static_cast<std::int64_t>(offsets.size())};
+}
+
+// The whole of each line of cv::HoughLines.
+std::vector<FoundSegment> WholeLines(const std::vector<cv::Vec2f>& lines) {
+  constexpr double kFar = 2000.0;  // px; beyond any corner.
+  std::vector<FoundSegment> found;
+  for (const cv::Vec2f& line : lines) {
+    const double angle = static_cast<double>(line[1]);
+    const Eigen::Vector2d n(std::cos(angle), std::sin(angle));
+    const Eigen::Vector2d foot = static_cast<double>(line[0]) * n;
+    const Eigen::Vector2d d(-n.y(), n.x());
+    found.push_back({foot - kFar * d, foot + kFar * d});
+  }
+  return found;
+}
+
+// Beside the lines of cv::HoughLines, on the same edge maps.
+template <typename FindFunction>
+std::vector<BenchRow> AccuracyRows(const std::vector<LineFrame>& rendered,
+                                   const FindFunction& find) {
+  std::vector<std::vector<FoundSegment>> ours;
+  std::vector<std::vector<FoundSegment>> theirs;
+  for (const LineFrame& frame : rendered) {
+    const cv::Mat1b map = CannyOf(frame.image);
+    ours.push_back(find(map));
+    std::vector<cv::Vec2f> lines;
+    cv::HoughLines(map, lines, 1.0, CV_PI / 180.0, 120);
+    theirs.push_back(WholeLines(lines));
+  }
+  const LineAccuracy our = AccuracyOf(rendered, ours);
+  const LineAccuracy their = AccuracyOf(rendered, theirs);
+  BenchRow row;
+  row.id = "Y4";
+  row.name = "8x8 words: offset of exact edges from their line, median";
+  row.value = our.median_offset_px;
+  row.unit = "px";
+  row.peer = "cv::HoughLines 1 px 1 degree";
+  row.peer_value = their.median_offset_px;
+  row.ratio = their.median_offset_px / std::max(1e-9, our.median_offset_px);
+  row.goal = "no worse";
+  row.holds = our.median_offset_px <= their.median_offset_px;
+  row.runs = our.num_edges;
+  BenchRow end = row;
+  end.name = "8x8 words: the same at the edge's farther end, median";
+  end.value = our.median_far_px;
+  end.peer_value = their.median_far_px;
+  end.ratio = their.median_far_px / std::max(1e-9, our.median_far_px);
+  end.holds = our.median_far_px <= their.median_far_px;
+  return {row, end};
+}
+
 // ---- Y2, Y4: segments of an edge map ---------------------------------------
 
 std::vector<BenchRow> BenchHough(bool full) {
@@ -249,6 +343,11 @@ std::vector<BenchRow> BenchHough(bool full) {
     row.value = score.recall;
     row.unit = "at precision " + std::to_string(score.precision).substr(0, 4);
     rows.push_back(row);
+  }
+  for (BenchRow& row : AccuracyRows(rendered, [&](const cv::Mat1b& map) {
+         return FoundFrom(segments_of(words, map));
+       })) {
+    rows.push_back(std::move(row));
   }
   return rows;
 }
