@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -11,9 +12,16 @@
 namespace waymark {
 namespace {
 
+using Eigen::Vector2d;
+
 // Fewer points than this are looked at one by one.
 constexpr int kLeafSize = 8;
 
+// A quad-tree whose nodes remember their furthest point, where the centre was
+// when they found it, and how far it may go before that can change: the
+// distance to the nearest bisector between it and a point it won against. The
+// centre of gravity moves by the n-th part of a distance at a time, so few of n
+// nodes have to look again, however many points are nearly as far.
 class QuadTree {
  public:
   explicit QuadTree(std::span<const Eigen::Vector2d> points)
@@ -26,18 +34,16 @@ class QuadTree {
   }
 
   // Index of the furthest point from `centre`.
-  int Furthest(const Eigen::Vector2d& centre) {
-    best_ = -1;
-    best_squared_ = -1.0;
-    Search(0, centre);
-    return best_;
+  int Furthest(const Vector2d& centre) {
+    Update(0, centre);
+    return At(0).best;
   }
 
   void Remove(int index) {
     is_removed_[static_cast<std::size_t>(index)] = 1;
     for (int i = leaf_of_[static_cast<std::size_t>(index)]; i >= 0;
-         i = nodes_[static_cast<std::size_t>(i)].parent) {
-      Tighten(i);
+         i = At(i).parent) {
+      At(i).radius = -1.0;
     }
   }
 
@@ -53,14 +59,15 @@ class QuadTree {
     int end = 0;
     std::array<int, 4> children{-1, -1, -1, -1};
     bool is_leaf = true;
-    // Of the points that are left; empty if lowest_index is the largest int.
-    Eigen::Array2d low;
-    Eigen::Array2d high;
-    int lowest_index = 0;
+    bool has_looked = false;
+    int best = -1;         // Of the points that are left; -1: none is.
+    double squared = 0.0;  // Its distance from `centre`.
+    Vector2d centre = Vector2d::Zero();
+    double radius = -1.0;  // About `centre`, within which it stays the best.
   };
 
   Node& At(int i) { return nodes_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const Eigen::Vector2d& Point(int i) const {
+  [[nodiscard]] const Vector2d& Point(int i) const {
     return points_[static_cast<std::size_t>(i)];
   }
 
@@ -75,12 +82,29 @@ class QuadTree {
       for (int i = begin; i < end; ++i) {
         leaf_of_[static_cast<std::size_t>(*at(i))] = self;
       }
-      Tighten(self);
       return self;
     }
-    Tighten(self);
     At(self).is_leaf = false;
-    const Eigen::Array2d middle = 0.5 * At(self).low + 0.5 * At(self).high;
+    const std::array<int, 5> bounds = Quarters(begin, end);
+    for (std::size_t i = 0; i < 4; ++i) {
+      if (bounds[i] == bounds[i + 1]) continue;
+      const int child = Build(self, bounds[i], bounds[i + 1]);
+      At(self).children[i] = child;
+    }
+    return self;
+  }
+
+  // Orders the points by the quarters of their square.
+  std::array<int, 5> Quarters(int begin, int end) {
+    const auto at = [&](int i) { return order_.begin() + i; };
+    Vector2d low = Point(*at(begin));
+    Vector2d high = low;
+    for (int i = begin; i < end; ++i) {
+      low = low.cwiseMin(Point(*at(i)));
+      high = high.cwiseMax(Point(*at(i)));
+    }
+    num_visits_ += end - begin;
+    const Vector2d middle = 0.5 * low + 0.5 * high;
     const auto split = [&](int from, int to, int axis) {
       return static_cast<int>(
           std::partition(at(from),
@@ -99,100 +123,136 @@ class QuadTree {
       }
       break;
     }
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (bounds[i] == bounds[i + 1]) continue;
-      const int child = Build(self, bounds[i], bounds[i + 1]);
-      At(self).children[i] = child;
-    }
-    return self;
+    return bounds;
   }
 
-  void Include(Node* node,
-               const Eigen::Array2d& low,
-               const Eigen::Array2d& high,
-               int index) {
+  [[nodiscard]] static bool IsBetter(double squared, int index, const Node& n) {
+    return n.best < 0 || squared > n.squared ||
+           (squared == n.squared && index < n.best);
+  }
+
+  // How far the centre may go before `other`, which it lost against the node's
+  // best by squares of distances, could win.
+  [[nodiscard]] double Margin(const Node& node,
+                              int other,
+                              double squared) const {
+    const double apart = (Point(node.best) - Point(other)).norm();
+    // Equal points are equally far from anywhere.
+    if (apart == 0.0) return std::numeric_limits<double>::infinity();
+    // Both squares are rounded, here and where the centre goes, where they may
+    // be four times as large.
+    constexpr double kRounding = 1e-14;
+    const double gap = node.squared - squared - kRounding * node.squared;
+    if (!(gap > 0.0)) return 0.0;
+    // The gap changes by 2 apart for each step toward the best.
+    return 0.5 * gap / apart;
+  }
+
+  [[nodiscard]] static bool IsValid(const Node& node, const Vector2d& centre) {
+    return (centre - node.centre).norm() < node.radius;
+  }
+
+  // No point of the node is further, whatever was removed since it looked.
+  [[nodiscard]] static double Bound(const Node& node, const Vector2d& centre) {
+    // Of roots and sums.
+    constexpr double kRounding = 1.0 + 1e-14;
+    if (!node.has_looked) return std::numeric_limits<double>::infinity();
+    if (node.best < 0) return -1.0;
+    return kRounding *
+           (std::sqrt(node.squared) + (centre - node.centre).norm());
+  }
+
+  void Update(int i, const Vector2d& centre) {
     ++num_visits_;
-    node->low = node->low.min(low);
-    node->high = node->high.max(high);
-    node->lowest_index = std::min(node->lowest_index, index);
+    Node& node = At(i);  // No node is added any more: references stay.
+    if (IsValid(node, centre)) return;
+    node.has_looked = true;
+    node.best = -1;
+    node.centre = centre;
+    node.radius = std::numeric_limits<double>::infinity();
+    if (node.is_leaf) {
+      UpdateLeaf(&node);
+    } else {
+      UpdateInner(&node);
+    }
+    // Of sums and differences of radii.
+    node.radius *= 1.0 - 1e-12;
   }
 
-  void Tighten(int i) {
-    Node& node = At(i);
-    node.low.setConstant(std::numeric_limits<double>::infinity());
-    node.high.setConstant(-std::numeric_limits<double>::infinity());
-    node.lowest_index = std::numeric_limits<int>::max();
-    if (!node.is_leaf) {
-      for (const int child : node.children) {
-        if (child < 0) continue;
-        const Node& c = At(child);
-        Include(&node, c.low, c.high, c.lowest_index);
+  void UpdateInner(Node* node) {
+    const Vector2d& centre = node->centre;
+    // The most promising first.
+    std::array<std::pair<double, int>, 4> order;
+    std::size_t num = 0;
+    for (const int child : node->children) {
+      if (child < 0) continue;
+      ++num_visits_;
+      std::pair<double, int> entry(Bound(At(child), centre), child);
+      for (std::size_t k = 0; k < num; ++k) {
+        if (entry.first > order[k].first) std::swap(entry, order[k]);
       }
-      return;
+      order[num++] = entry;
     }
-    for (int k = node.begin; k < node.end; ++k) {
-      const int point = order_[static_cast<std::size_t>(k)];
-      if (IsRemoved(point)) continue;
-      Include(&node, Point(point), Point(point), point);
+    std::array<bool, 4> is_known{};
+    for (std::size_t k = 0; k < num; ++k) {
+      const auto& [bound, child] = order[k];
+      if (node->best >= 0 && bound < std::sqrt(node->squared) &&
+          !IsValid(At(child), centre)) {
+        continue;
+      }
+      Update(child, centre);
+      is_known[k] = true;
+      Take(SquaredOf(At(child).best, centre), At(child).best, node);
+    }
+    for (std::size_t k = 0; k < num; ++k) {
+      const auto& [bound, child] = order[k];
+      const Node& c = At(child);
+      if (!is_known[k]) {
+        // Both distances may change by as much as the centre goes.
+        const double lead = std::sqrt(node->squared) - bound;
+        node->radius = std::min(node->radius, 0.5 * lead);
+        continue;
+      }
+      node->radius =
+          std::min(node->radius, c.radius - (centre - c.centre).norm());
+      if (c.best < 0 || c.best == node->best) continue;
+      node->radius = std::min(node->radius,
+                              Margin(*node, c.best, SquaredOf(c.best, centre)));
     }
   }
 
-  // No point of the node is further; exact also after rounding, because
-  // rounding keeps the order.
-  [[nodiscard]] static double Bound(const Node& node,
-                                    const Eigen::Vector2d& centre) {
-    const Eigen::Array2d d =
-        (centre.array() - node.low).max(node.high - centre.array());
+  void UpdateLeaf(Node* node) {
+    const auto each = [&](auto&& look) {
+      for (int k = node->begin; k < node->end; ++k) {
+        const int point = order_[static_cast<std::size_t>(k)];
+        if (!IsRemoved(point)) look(point, SquaredOf(point, node->centre));
+      }
+    };
+    num_visits_ += node->end - node->begin;
+    each([&](int point, double squared) { Take(squared, point, node); });
+    each([&](int point, double squared) {
+      if (point == node->best) return;
+      node->radius = std::min(node->radius, Margin(*node, point, squared));
+    });
+  }
+
+  static void Take(double squared, int point, Node* node) {
+    if (point < 0 || !IsBetter(squared, point, *node)) return;
+    node->best = point;
+    node->squared = squared;
+  }
+
+  [[nodiscard]] double SquaredOf(int point, const Vector2d& centre) const {
+    if (point < 0) return 0.0;
+    const Vector2d d = centre - Point(point);
     return d.x() * d.x() + d.y() * d.y();
   }
 
-  [[nodiscard]] bool IsBetter(double squared, int index) const {
-    return squared > best_squared_ ||
-           (squared == best_squared_ && index < best_);
-  }
-
-  void Search(int i, const Eigen::Vector2d& centre) {
-    const Node& node = At(i);
-    ++num_visits_;
-    if (node.is_leaf) {
-      for (int k = node.begin; k < node.end; ++k) {
-        const int point = order_[static_cast<std::size_t>(k)];
-        if (IsRemoved(point)) continue;
-        ++num_visits_;
-        const Eigen::Vector2d d = centre - Point(point);
-        const double squared = d.x() * d.x() + d.y() * d.y();
-        if (!IsBetter(squared, point)) continue;
-        best_squared_ = squared;
-        best_ = point;
-      }
-      return;
-    }
-    std::array<std::pair<double, int>, 4> next;
-    std::size_t num = 0;
-    for (const int child : node.children) {
-      if (child < 0) continue;
-      ++num_visits_;
-      if (At(child).lowest_index == std::numeric_limits<int>::max()) continue;
-      std::pair<double, int> entry(Bound(At(child), centre), child);
-      // The most promising first.
-      for (std::size_t k = 0; k < num; ++k) {
-        if (entry.first > next[k].first) std::swap(entry, next[k]);
-      }
-      next[num++] = entry;
-    }
-    for (std::size_t k = 0; k < num; ++k) {
-      const auto& [bound, child] = next[k];
-      if (IsBetter(bound, At(child).lowest_index)) Search(child, centre);
-    }
-  }
-
-  std::span<const Eigen::Vector2d> points_;
+  std::span<const Vector2d> points_;
   std::vector<int> order_;
   std::vector<int> leaf_of_;
   std::vector<char> is_removed_;
   std::vector<Node> nodes_;
-  int best_ = -1;
-  double best_squared_ = -1.0;
   std::int64_t num_visits_ = 0;
 };
 

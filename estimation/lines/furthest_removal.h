@@ -22,9 +22,9 @@ struct FurthestRemoval {
 // equally far the one of the lowest index goes first. With `num_kept` of N or
 // more none is removed.
 //
-// A quad-tree with the bounds of what each node still holds finds the next
-// point: a little more than N log N visits for points that are spread out (for
-// 16 times the points twice that), N^2 where all lie on one circle.
+// A quad-tree whose nodes remember their furthest point finds the next one:
+// O(N log N) visits for points in general position, up to N^2 where all lie on
+// one circle.
 //
 // Throws std::logic_error if num_kept < 1 or a point is not finite.
 //

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -156,6 +157,62 @@ bool IsOneLine(const std::vector<LineDirection>& lines,
   return true;
 }
 
+// Refined maxima, each once.
+std::vector<Peak> DistinctPeaks(const std::vector<Vote>& votes) {
+  std::vector<Peak> peaks;
+  for (const double start : Maxima(votes)) {
+    const std::optional<Peak> peak = Refine(votes, start);
+    if (!peak) continue;
+    const bool is_known =
+        std::any_of(peaks.begin(), peaks.end(), [&](const Peak& other) {
+          return std::abs(AxisDifference(other.heading, peak->heading)) <
+                 kSame * std::min(other.sigma, peak->sigma);
+        });
+    if (!is_known) peaks.push_back(*peak);
+  }
+  return peaks;
+}
+
+HorizontalDirection DirectionOf(const Peak& peak,
+                                double heading,
+                                const std::vector<LineDirection>& lines,
+                                const std::vector<Vote>& votes,
+                                const Vector3d& gravity_C,
+                                const HorizontalDirectionOptions& options) {
+  HorizontalDirection direction;
+  direction.heading = heading;
+  direction.sigma_rad = peak.sigma;
+  direction.support = peak.support;
+  direction.n_C = DirectionOfHeading(heading, gravity_C);
+  direction.inlier_mask.assign(lines.size(), 0);
+  for (const LineDirection& line : lines) {
+    direction.residuals.push_back(line.Residual(direction.n_C));
+  }
+  for (const Vote& vote : votes) {
+    const double z = AxisDifference(vote.heading, heading) / vote.sigma;
+    direction.residuals[vote.line] = z;
+    if (std::abs(z) > options.inlier_sigmas) continue;
+    direction.inlier_mask[vote.line] = 1;
+    ++direction.num_inliers;
+  }
+  return direction;
+}
+
+// The best supported first; with a prior by both.
+void SortBySupport(const std::optional<HeadingPrior>& prior,
+                   std::vector<HorizontalDirection>* found) {
+  const auto rank = [&](const HorizontalDirection& direction) {
+    if (!prior) return direction.support;
+    const double z = AxisDifference(direction.heading, prior->heading) /
+                     std::hypot(prior->sigma_rad, direction.sigma_rad);
+    return direction.support - 0.5 * z * z;
+  };
+  std::stable_sort(
+      found->begin(), found->end(), [&](const auto& a, const auto& b) {
+        return rank(a) > rank(b);
+      });
+}
+
 }  // namespace
 
 void HorizontalDirectionOptions::Check() const {
@@ -206,55 +263,24 @@ std::vector<HorizontalDirection> FindHorizontalDirections(
   const std::vector<Vote> votes =
       VotesOf(directions, gravity_C, horizon, options);
   std::vector<HorizontalDirection> found;
-  for (const double start : Maxima(votes)) {
-    const std::optional<Peak> peak = Refine(votes, start);
-    if (!peak) continue;
-    const bool is_known =
-        std::any_of(found.begin(), found.end(), [&](const auto& other) {
-          return std::abs(AxisDifference(other.heading, peak->heading)) <
-                 kSame * std::min(other.sigma_rad, peak->sigma);
-        });
-    if (is_known) continue;
-    HorizontalDirection direction;
-    direction.heading = peak->heading;
-    direction.sigma_rad = peak->sigma;
-    direction.support = peak->support;
+  for (const Peak& peak : DistinctPeaks(votes)) {
+    double heading = peak.heading;
     if (prior) {
-      const double off = AxisDifference(peak->heading, prior->heading);
-      const double sigma = std::hypot(prior->sigma_rad, peak->sigma);
+      const double off = AxisDifference(peak.heading, prior->heading);
+      const double sigma = std::hypot(prior->sigma_rad, peak.sigma);
       if (std::abs(off) > options.gate_sigmas * sigma) continue;
-      direction.heading = WrapAngle(prior->heading + off);
+      heading = WrapAngle(prior->heading + off);
     }
-    direction.n_C = DirectionOfHeading(direction.heading, gravity_C);
-    direction.inlier_mask.assign(lines.size(), 0);
-    for (const LineDirection& line : directions) {
-      direction.residuals.push_back(line.Residual(direction.n_C));
-    }
-    for (const Vote& vote : votes) {
-      const double z =
-          AxisDifference(vote.heading, direction.heading) / vote.sigma;
-      direction.residuals[vote.line] = z;
-      if (std::abs(z) > options.inlier_sigmas) continue;
-      direction.inlier_mask[vote.line] = 1;
-      ++direction.num_inliers;
-    }
+    HorizontalDirection direction =
+        DirectionOf(peak, heading, directions, votes, gravity_C, options);
     if (direction.num_inliers < options.min_lines ||
         IsOneLine(directions, direction.inlier_mask, options.min_angle_rad)) {
       continue;
     }
     found.push_back(std::move(direction));
   }
-  const auto rank = [&](const HorizontalDirection& direction) {
-    if (!prior) return direction.support;
-    const double z = AxisDifference(direction.heading, prior->heading) /
-                     std::hypot(prior->sigma_rad, direction.sigma_rad);
-    return direction.support - 0.5 * z * z;
-  };
-  std::stable_sort(
-      found.begin(), found.end(), [&](const auto& a, const auto& b) {
-        return rank(a) > rank(b);
-      });
-  if (static_cast<int>(found.size()) > options.max_directions) {
+  SortBySupport(prior, &found);
+  if (found.size() > static_cast<std::size_t>(options.max_directions)) {
     found.resize(static_cast<std::size_t>(options.max_directions));
   }
   return found;
