@@ -225,6 +225,7 @@ std::optional<AxisHeading> EstimateAxisHeading(
   const Eigen::Vector3d axis = view.PixelOf(AxisIn(result.heading));
   const Eigen::Vector3d across = view.PixelOf(AcrossIn(result.heading));
   int num_along = 0;
+  int num_across = 0;
   for (const SeenLine& line : lines) {
     const double off = std::abs(VanishingResidual(line, axis));
     const double off_across = std::abs(VanishingResidual(line, across));
@@ -234,10 +235,14 @@ std::optional<AxisHeading> EstimateAxisHeading(
       ++num_along;
     } else if (off_across <= options.max_sigmas) {
       family = LineFamily::kAcross;
+      ++num_across;
     }
     result.families.push_back(family);
   }
-  if (num_along < options.min_lines) return std::nullopt;
+  // One line along has its vanishing point anywhere.
+  if (num_along < 2 || num_along + num_across < options.min_lines) {
+    return std::nullopt;
+  }
   return result;
 }
 

@@ -19,7 +19,7 @@ struct AxisHeadingOptions {
   // Logarithm of the likelihood, over that of lines at random, that an answer
   // needs.
   double min_evidence = 10.0;
-  int min_lines = 3;  // Along the corridor.
+  int min_lines = 3;  // Along the corridor and across it; two along.
   // Where lines at random happen to agree, they do so nearly as well elsewhere:
   // a heading stands by itself, without a position that goes with it, where
   // its margin is at least so much of its evidence.

@@ -138,8 +138,11 @@ Probabilities ProbabilitiesOf(Method method,
       const Pose2& X_LR = views.frames[i].X_LR;
       const CorridorPrior prior = DrawPrior(X_LR, errors, &random);
       for (std::size_t k = 0; k <= kOthers; ++k) {
-        const CorridorEstimate found =
-            Answer(method, views, lines[(i + k) % lines.size()], prior);
+        const CorridorEstimate found = Answer(method,
+                                              views,
+                                              views.frames[i].corridor,
+                                              lines[(i + k) % lines.size()],
+                                              prior);
         if (found.status != CorridorStatus::kAccepted) continue;
         const bool is_faulty =
             std::abs(*found.y - X_LR.y) > kFaultyY ||

@@ -21,10 +21,7 @@ std::vector<Views> RenderViews(int num_per_world) {
     const ImageRemap remap({PerspectiveCamera(intrinsics), camera.size},
                            {camera.model, camera.size},
                            Eigen::Matrix3d::Identity());
-    Views views{world.name,
-                source.corridor(),
-                {intrinsics, camera.size, camera.X_RC},
-                {}};
+    Views views{world.name, {intrinsics, camera.size, camera.X_RC}, {}};
     for (int i = 0; i < num_per_world; ++i) {
       CorridorPoseFrame frame = source.Next();
       frame.image = cv::Mat1b(remap.Apply(frame.image));
@@ -46,12 +43,13 @@ CorridorTrackerOptions PublishedOptions() {
 
 CorridorEstimate Answer(const Method& method,
                         const Views& views,
+                        const CorridorGeometry& corridor,
                         const LineSet& lines,
                         const CorridorPrior& prior) {
-  CorridorEstimate found = EstimateCorridor(
-      views.view, lines, views.corridor, prior, method.options);
+  CorridorEstimate found =
+      EstimateCorridor(views.view, lines, corridor, prior, method.options);
   if (!method.amend || !found.heading) return found;
-  Given given{views.view, views.corridor, {}, prior};
+  Given given{views.view, corridor, {}, prior};
   for (const LineSegment& segment : lines.segments) {
     given.lines.push_back(
         SeenLineOf(segment, method.options.model_px, method.options.model_rad));
@@ -71,8 +69,11 @@ void AddTo(const Method& method, const Views& views, PoseScore* score) {
   LineExtractor extractor(method.options.lines);
   for (const CorridorPoseFrame& frame : views.frames) {
     const double begin = CpuMilliseconds();
-    const CorridorEstimate found =
-        Answer(method, views, extractor.Extract(frame.image), frame.prior);
+    const CorridorEstimate found = Answer(method,
+                                          views,
+                                          frame.corridor,
+                                          extractor.Extract(frame.image),
+                                          frame.prior);
     score->Add(found, frame.X_LR, CpuMilliseconds() - begin);
   }
 }

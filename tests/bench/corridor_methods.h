@@ -13,7 +13,6 @@ namespace waymark {
 // Frames of one world, as seen without the lens's distortion.
 struct Views {
   std::string world;
-  CorridorGeometry corridor;
   CorridorView view;
   std::vector<CorridorPoseFrame> frames;
 };
@@ -41,6 +40,7 @@ struct Method {
 
 [[nodiscard]] CorridorEstimate Answer(const Method& method,
                                       const Views& views,
+                                      const CorridorGeometry& corridor,
                                       const LineSet& lines,
                                       const CorridorPrior& prior);
 

@@ -52,17 +52,17 @@ CorridorPrior DrawPrior(const Pose2& X_LR,
 CorridorPoseFrames::CorridorPoseFrames(const std::string& world,
                                        std::uint64_t seed)
     : world_(LoadWorldFile(FindWorldFile(world))),
-      corridor_(LoadCorridorFile(FindCorridorFile(world)).front()),
+      corridors_(LoadCorridorFile(FindCorridorFile(world))),
       camera_(LoadCameraFile(FindCameraFile("perspective"))),
       renderer_(BuildScene(world_)),
       people_(world_, {}),
       rays_(CameraView{camera_.model, camera_.size}),
       random_(SeedFor(seed, world)) {}
 
-Pose2 CorridorPoseFrames::DrawPose() {
+Pose2 CorridorPoseFrames::DrawPose(const CorridorGeometry& corridor) {
   Pose2 X_LR;
-  X_LR.x = random_.Uniform(corridor_.x_min + 0.4, corridor_.x_max - 0.4);
-  const double side = 0.5 * corridor_.width.value() - kRobotRadius - 0.05;
+  X_LR.x = random_.Uniform(corridor.x_min + 0.4, corridor.x_max - 0.4);
+  const double side = 0.5 * corridor.width.value() - kRobotRadius - 0.05;
   X_LR.y = random_.Uniform(-side, side);
   const double turn = random_.Uniform() < 0.5 ? 0.0 : kPi;
   X_LR.heading = WrapAngle(turn + random_.Uniform(-kMaxHeading, kMaxHeading));
@@ -72,10 +72,12 @@ Pose2 CorridorPoseFrames::DrawPose() {
 CorridorPoseFrame CorridorPoseFrames::Next() {
   while (true) {
     CorridorPoseFrame frame;
-    frame.X_LR = DrawPose();
-    const Pose2 X_WR = corridor_.X_WL * frame.X_LR;
+    frame.corridor = corridors_[next_];
+    frame.X_LR = DrawPose(frame.corridor);
+    const Pose2 X_WR = frame.corridor.X_WL * frame.X_LR;
     const auto people = people_.PosesAt(random_.Uniform(0.0, 60.0), X_WR);
     if (!IsFree(world_, people, X_WR)) continue;
+    next_ = (next_ + 1) % corridors_.size();
     std::vector<Eigen::Isometry3d> X_WP;
     for (const Pose2& pose : people) X_WP.push_back(SpatialPose(pose));
     const cv::Mat3b image =

@@ -32,7 +32,8 @@ inline constexpr std::array kCorridorWorlds = {
     CorridorWorld{"corridor_plain", 90.0},
     CorridorWorld{"corridor_textured", 75.0},
     CorridorWorld{"corridor_office", 75.0},
-    CorridorWorld{"corridor_mouth", 75.0}};
+    CorridorWorld{"corridor_mouth", 75.0},
+    CorridorWorld{"t_corridors", 75.0}};
 
 // 1 sigma of what is believed before; the truth is drawn from it.
 struct PriorErrors {
@@ -45,7 +46,8 @@ struct PriorErrors {
 
 struct CorridorPoseFrame {
   cv::Mat1b image;
-  Pose2 X_LR;  // True.
+  Pose2 X_LR;                 // True.
+  CorridorGeometry corridor;  // L; of several in a world each in turn.
   CorridorPrior prior;
 };
 
@@ -58,14 +60,14 @@ class CorridorPoseFrames {
 
   [[nodiscard]] CorridorPoseFrame Next();
 
-  [[nodiscard]] const CorridorGeometry& corridor() const { return corridor_; }
   [[nodiscard]] const CameraDescription& camera() const { return camera_; }
 
  private:
-  [[nodiscard]] Pose2 DrawPose();
+  [[nodiscard]] Pose2 DrawPose(const CorridorGeometry& corridor);
 
   World world_;
-  CorridorGeometry corridor_;
+  std::vector<CorridorGeometry> corridors_;
+  std::size_t next_ = 0;  // Of corridors_.
   CameraDescription camera_;
   Renderer renderer_;
   People people_;
