@@ -3,6 +3,7 @@
 #include "estimation/base/check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -41,6 +42,38 @@ std::vector<Piece> LongestPieces(std::span<const LineSegment> segments,
     pieces.erase(pieces.begin() + max_lines, pieces.end());
   }
   return pieces;
+}
+
+// Middles of eight pieces, which are passed over where none is near a line.
+struct Block {
+  static constexpr std::size_t kSize = 8;
+  std::array<float, kSize> x{};
+  std::array<float, kSize> y{};
+
+  // Of the middles from the line of a piece, px.
+  [[nodiscard]] float Least(const Eigen::Vector2f& normal,
+                            const Eigen::Vector2f& middle) const {
+    std::array<float, kSize> off;
+    for (std::size_t i = 0; i < kSize; ++i) {
+      off[i] = std::abs(normal.x() * (x[i] - middle.x()) +
+                        normal.y() * (y[i] - middle.y()));
+    }
+    std::array<float, 4> least;
+    for (std::size_t i = 0; i < 4; ++i) {
+      least[i] = off[i] < off[i + 4] ? off[i] : off[i + 4];
+    }
+    return std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+  }
+};
+
+std::vector<Block> BlocksOf(const std::vector<Piece>& pieces) {
+  std::vector<Block> blocks((pieces.size() + Block::kSize - 1) / Block::kSize);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    Block& block = blocks[i / Block::kSize];
+    block.x[i % Block::kSize] = static_cast<float>(pieces[i].middle.x());
+    block.y[i % Block::kSize] = static_cast<float>(pieces[i].middle.y());
+  }
+  return blocks;
 }
 
 // The line of pieces, in a frame along their longest: distance across it is
@@ -142,6 +175,9 @@ JoinedSegments JoinCollinear(std::span<const LineSegment> segments,
   const std::vector<Piece> pieces = LongestPieces(segments, options.max_lines);
   JoinedSegments joined;
   joined.num_pieces.assign(segments.size(), 1);
+  const std::vector<Block> blocks = BlocksOf(pieces);
+  // Floats are good to a hundredth of a pixel in any image.
+  const auto reach = static_cast<float>(options.max_distance_px + 0.01);
   std::vector<char> is_taken(pieces.size(), 0);
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -149,14 +185,22 @@ JoinedSegments JoinCollinear(std::span<const LineSegment> segments,
     const LineSegment& longest = segments[pieces[i].index];
     JointLine line(pieces[i], longest);
     taken.assign(1, pieces[i].index);
-    for (std::size_t j = i + 1; j < pieces.size(); ++j) {
-      const Piece& piece = pieces[j];
-      if (is_taken[j] != 0 ||
-          !line.Take(piece, segments[piece.index], options)) {
-        continue;
+    const Vector2d half = pieces[i].half * (2.0 / pieces[i].length);
+    const Eigen::Vector2f normal(static_cast<float>(-half.y()),
+                                 static_cast<float>(half.x()));
+    const Eigen::Vector2f middle = pieces[i].middle.cast<float>();
+    for (std::size_t b = i / Block::kSize; b < blocks.size(); ++b) {
+      if (blocks[b].Least(normal, middle) > reach) continue;
+      const std::size_t end = std::min((b + 1) * Block::kSize, pieces.size());
+      for (std::size_t j = std::max(i + 1, b * Block::kSize); j < end; ++j) {
+        const Piece& piece = pieces[j];
+        if (is_taken[j] != 0 ||
+            !line.Take(piece, segments[piece.index], options)) {
+          continue;
+        }
+        is_taken[j] = 1;
+        taken.push_back(piece.index);
       }
-      is_taken[j] = 1;
-      taken.push_back(piece.index);
     }
     for (const std::size_t index : taken) {
       joined.num_pieces[index] = static_cast<int>(taken.size());

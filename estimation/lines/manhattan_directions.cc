@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // Longest lines that a search for rotations is content with.
-constexpr std::size_t kNumSearched = 250;
+constexpr std::size_t kNumSearched = 200;
 
 // Of a line that likelier runs along it than not; -1: along none.
 int AxisOf(const ManhattanLikelihood& likelihood,

@@ -17,7 +17,7 @@ namespace waymark {
 struct ManhattanOptions {
   CollinearOptions collinear;
   int max_lines = 500;  // The longest of those joined; at least 4.
-  int num_seeds = 25;   // Longest lines whose pairs are tried; at least 3.
+  int num_seeds = 22;   // Longest lines whose pairs are tried; at least 3.
   int num_refined = 2;  // Best proposals that are refined; at least 1.
   // Of an edge's image against its axis' vanishing point; (0, 0.1].
   double model_sigma_rad = 0.006;

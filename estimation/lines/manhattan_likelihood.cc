@@ -126,7 +126,7 @@ bool ManhattanLikelihood::Climb(Matrix3d* R_CM,
 std::optional<Matrix3d> ManhattanLikelihood::Settle(Matrix3d* R_CM) const {
   constexpr int kMaxSteps = 60;
   constexpr int kNumFree = 6;  // Then lines keep to their axes.
-  constexpr double kConverged = 1e-11;
+  constexpr double kConverged = 1e-10;
   // The likelihood's own rounding hides its rise over steps as small.
   constexpr double kSmall = 1e-6;
   constexpr double kLeastDamping = 1e-3;

@@ -21,7 +21,7 @@ using Eigen::Vector3f;
 // as much beside a proposal.
 constexpr double kSearchSigma = 0.015;
 constexpr std::size_t kNumBins = 90;  // Of a right angle: a degree each.
-constexpr std::size_t kNumAxes = 20;  // Proposed axes that are completed,
+constexpr std::size_t kNumAxes = 16;  // Proposed axes that are completed,
 constexpr int kNumHeadings = 3;       // by so many headings each.
 constexpr double kDistinct = 0.035;   // Of rotations: two degrees.
 // Of axes: seven degrees. All that lie near a strong one are strong.
