@@ -42,6 +42,8 @@ constexpr Duration kAhead = std::chrono::seconds(3);
 // Live, a reading is sent so long after its own time: more than a timer is
 // early or late, so that each tick has just one.
 constexpr Duration kTimerSlack = std::chrono::milliseconds(2);
+// Live, an image does not wait for the wheels' next tick but this long at most.
+constexpr Duration kImageTick = std::chrono::milliseconds(4);
 
 std::optional<RangeSensorOptions> RangeOptions(const SimulatorConfig& config) {
   if (config.ranges == RangeKind::kNone) return std::nullopt;
@@ -116,6 +118,10 @@ SimulatorProcess::SimulatorProcess(const Config& config, Bus* bus)
     config_.pace == Pace::kRealTime ? OnTick(now) : OnStepTick(now);
     ShowFault(now);
   });
+  if (!bus->is_offline() && config_.pace == Pace::kRealTime &&
+      !cameras_.empty()) {
+    bus->Every(kImageTick, [this](Time now) { OnImageTick(now); });
+  }
 }
 
 Pose2 SimulatorProcess::StartPose() const {
@@ -225,7 +231,16 @@ void SimulatorProcess::OnTick(Time now) {
   const Duration lost = clock_->lost();
   const Time simulated = clock_->At(now);
   if (clock_->lost() > lost) lost_time_ = now;
+  ticked_at_ = now;
   AdvanceTo(simulated);
+}
+
+void SimulatorProcess::OnImageTick(Time now) {
+  if (!simulation_) return;
+  const Time simulated =
+      simulation_->now() +
+      DurationFromSeconds(config_.speed * Seconds(now - ticked_at_));
+  for (CameraFeed& camera : cameras_) camera.PublishImages(simulated);
 }
 
 void SimulatorProcess::OnStepTick(Time now) {

@@ -72,6 +72,7 @@ class SimulatorProcess {
   void AddCamera(const SimulatedCameraConfig& config);
   void OnTick(Time now);
   void OnStepTick(Time now);
+  void OnImageTick(Time now);
   void Step(Time now);
   void OnCommand(const velocity_t& message, Time t);
   void OnHead(const pan_tilt_t& message);
@@ -105,6 +106,7 @@ class SimulatorProcess {
   std::optional<Simulation> simulation_;  // From the first tick on.
   std::optional<SimulatedClock> clock_;   // Likewise; with the bus's clock.
   std::optional<Time> lost_time_;  // When time was lost last, on that clock.
+  Time ticked_at_;                 // The last tick of the wheels, on it too.
   // Stepped: the ENCODERS that waits for its answer, and since when.
   std::optional<Time> unanswered_;
   Time asked_at_;
