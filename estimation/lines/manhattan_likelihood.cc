@@ -230,8 +230,7 @@ Matrix3d ManhattanLikelihood::AddGravity(const Matrix3d& R_CM,
   if (!gravity_) return Matrix3d::Zero();
   const Vector3d n_C = R_CM.col(2);
   const double certainty = 1.0 / (gravity_->sigma_rad * gravity_->sigma_rad);
-  const Matrix3d across =
-      certainty * (Matrix3d::Identity() - n_C * n_C.transpose());
+  Matrix3d across = certainty * (Matrix3d::Identity() - n_C * n_C.transpose());
   normal->information += across;
   normal->pull -= certainty * n_C.cross(gravity_->n_C);
   return across;
