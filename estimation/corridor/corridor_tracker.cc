@@ -235,8 +235,8 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
     }
   }
   estimate.p_regular = RegularProbabilityOf(estimate, *prior, options.gate);
-  if (estimate.status == CorridorStatus::kAccepted &&
-      !(estimate.p_regular > options.gate.min_regular)) {
+  // A heading alone is tested as well.
+  if (!(estimate.p_regular > options.gate.min_regular)) {
     SayNo(CorridorStatus::kFaulty,
           "too far from what was expected to be a regular answer",
           &estimate);

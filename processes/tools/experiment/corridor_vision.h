@@ -17,18 +17,20 @@ struct CorridorVisionOptions {
   double rate_hz = 15.0;
   double latency_s = 0.08;
   // Of y and heading: from image to image, and what stays about as it is for
-  // correlation_s.
-  double sigma_m = 0.01;
-  double sigma_rad = 0.002;
+  // correlation_s. Root mean squares of the answers from rendered frames in the
+  // hardest of the worlds, bricks and tiles (./run bench Y18).
+  double sigma_m = 0.0022;
+  double sigma_rad = 0.001;
   double slow_sigma_m = 0.0;
   double slow_sigma_rad = 0.0;
   double correlation_s = 5.0;
   // What it says of its own errors, m and rad.
   double stated_sigma_m = 0.01;
   double stated_sigma_rad = 0.002;
-  // Of images within max_heading_rad of the axis; others have no answer.
-  double accepted_share = 0.9;
-  double max_heading_rad = 0.45;
+  // Of images within max_heading_rad of the axis; others have no answer. In a
+  // plain corridor that is so at 40 degrees, with doors and pictures later.
+  double accepted_share = 0.85;
+  double max_heading_rad = 0.7;
   // Share of answers that are wrong without knowing it, by so much.
   double faulty_share = 0.0;
   double faulty_sigma_m = 0.3;

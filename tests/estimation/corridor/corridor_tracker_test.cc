@@ -173,6 +173,23 @@ TEST(EstimateCorridor, UnknownSizeLeavesTheHeading) {
   EXPECT_GT(estimate.covariance(1, 1), 0.0);
 }
 
+TEST(EstimateCorridor, AHeadingAloneIsTestedToo) {
+  const CorridorView view = ViewForTests(0.1);
+  CorridorGeometry corridor = Corridor();
+  corridor.width.reset();
+  corridor.height.reset();
+  const auto estimate = EstimateCorridor(
+      view,
+      SeeCorridor(view, Corridor(), {0.0, 0.3, 0.5}, {}),
+      corridor,
+      CorridorPrior{Pose2{0.0, 0.3, 0.0},
+                    Eigen::Vector3d(0.04, 0.09, 1e-4).asDiagonal()},
+      ExactOptions());
+  EXPECT_EQ(estimate.status, CorridorStatus::kFaulty);
+  EXPECT_NEAR(*estimate.heading, 0.5, 1e-9);
+  EXPECT_LT(estimate.p_regular, 0.01);
+}
+
 TEST(EstimateCorridor, WithoutLinesItSaysSo) {
   const CorridorView view = ViewForTests(0.1);
   const auto none = EstimateCorridor(
