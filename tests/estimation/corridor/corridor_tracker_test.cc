@@ -178,9 +178,11 @@ TEST(EstimateCorridor, AHeadingAloneIsTestedToo) {
   CorridorGeometry corridor = Corridor();
   corridor.width.reset();
   corridor.height.reset();
+  CorridorLinesOptions see;
+  see.has_clutter = true;
   const auto estimate = EstimateCorridor(
       view,
-      SeeCorridor(view, Corridor(), {0.0, 0.3, 0.5}, {}),
+      SeeCorridor(view, Corridor(), {0.0, 0.3, 0.5}, see),
       corridor,
       CorridorPrior{Pose2{0.0, 0.3, 0.0},
                     Eigen::Vector3d(0.04, 0.09, 1e-4).asDiagonal()},
