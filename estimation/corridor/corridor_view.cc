@@ -121,6 +121,13 @@ std::optional<Eigen::Vector2d> PlaceOf(CorridorEdge edge,
   return std::nullopt;
 }
 
+Eigen::Vector2d RayAcross(const CorridorView& view,
+                          const Eigen::Vector2d& pixel,
+                          double heading) {
+  const Eigen::Vector3d ray_R = view.RayOf(pixel);
+  return {ray_R.dot(AcrossIn(heading)), ray_R.z()};
+}
+
 Eigen::Vector2d CameraIn(const CorridorView& view, double y, double heading) {
   const Eigen::Vector3d p_RC = view.X_RC.translation();
   return {y + std::sin(heading) * p_RC.x() + std::cos(heading) * p_RC.y(),

@@ -75,6 +75,12 @@ struct LineHeading {
     double y,
     double heading);
 
+// A pixel's ray in that cross-section, (left, up) as seen along the axis; not
+// normalised.
+[[nodiscard]] Eigen::Vector2d RayAcross(const CorridorView& view,
+                                        const Eigen::Vector2d& pixel,
+                                        double heading);
+
 // The camera's centre in the cross-section (y, z) of L for a robot there.
 [[nodiscard]] Eigen::Vector2d CameraIn(const CorridorView& view,
                                        double y,

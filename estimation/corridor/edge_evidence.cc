@@ -1,5 +1,6 @@
 #include "estimation/corridor/edge_evidence.h"
 
+#include "estimation/corridor/lateral_candidates.h"
 #include "estimation/geometry/angle.h"
 
 #include <algorithm>
@@ -8,11 +9,6 @@
 
 namespace waymark {
 namespace {
-
-// The edge lies on the side of the camera where the line is seen.
-bool IsInQuadrant(const Eigen::Vector2d& ray, const Eigen::Vector2d& to_edge) {
-  return ray.x() * to_edge.x() > 0.0 && ray.y() * to_edge.y() > 0.0;
-}
 
 // Angle of a line about the vanishing point: by its direction, and by where its
 // middle lies; sigma of both together, as seen from its middle across it.
@@ -107,39 +103,31 @@ std::vector<EdgeCandidate> FindEdgeCandidates(const CorridorView& view,
                                               const CorridorGeometry& corridor,
                                               std::span<const SeenLine> lines,
                                               const AxisHeading& heading) {
+  // The heading is refined only afterwards: 0.05 degrees.
+  constexpr double kHeadingPx = 0.4;
   std::vector<EdgeCandidate> candidates;
   const Eigen::Vector3d vanishing = view.PixelOf(AxisIn(heading.heading));
-  const Eigen::Vector3d across = AcrossIn(heading.heading);
   const Eigen::Vector2d lever = CameraIn(view, 0.0, heading.heading);
-  const double half = 0.5 * corridor.width.value();
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (heading.families[i] != LineFamily::kAlong) continue;
-    // Its ray in the cross-section (y, z), from the camera.
-    const auto ray_at = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
-      const Eigen::Vector3d ray_R = view.RayOf(pixel);
-      return {ray_R.dot(across), ray_R.z()};
-    };
-    const Eigen::Vector2d ray = ray_at(lines[i].middle);
-    const double sigma_px = SigmaAcross(lines[i], vanishing);
+    const Eigen::Vector2d ray =
+        RayAcross(view, lines[i].middle, heading.heading);
+    const double sigma_px =
+        std::hypot(SigmaAcross(lines[i], vanishing), kHeadingPx);
     const Eigen::Vector2d normal(-lines[i].direction.y(),
                                  lines[i].direction.x());
-    const Eigen::Vector2d beside = ray_at(lines[i].middle + normal);
+    const Eigen::Vector2d beside =
+        RayAcross(view, lines[i].middle + normal, heading.heading);
     for (const CorridorEdge edge : kCorridorEdges) {
       const auto place = PlaceOf(edge, corridor);
       if (!place) continue;
-      const double up = place->y() - lever.y();
-      if (!(up * ray.y() > 0.0)) continue;
-      // Equation 3: the camera's y is where the ray, back from the edge, has
-      // come down (or up) to the camera's height.
-      const double y_C = place->x() - up * ray.x() / ray.y();
-      if (!(std::abs(y_C) < half) ||
-          !IsInQuadrant(ray, {place->x() - y_C, up})) {
-        continue;
-      }
+      const auto y_C =
+          LateralOfRay(ray, *place, lever.y(), corridor.width.value());
+      if (!y_C) continue;
       const double by_pixel =
-          std::abs(up * (beside.x() / beside.y() - ray.x() / ray.y()));
-      candidates.push_back(
-          {i, edge, y_C - lever.x(), by_pixel * std::hypot(sigma_px, 0.4)});
+          std::abs((place->y() - lever.y()) *
+                   (beside.x() / beside.y() - ray.x() / ray.y()));
+      candidates.push_back({i, edge, *y_C - lever.x(), by_pixel * sigma_px});
     }
   }
   return candidates;

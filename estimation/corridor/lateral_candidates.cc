@@ -18,6 +18,17 @@ bool IsLeft(CorridorEdge edge) {
 
 }  // namespace
 
+std::optional<double> LateralOfRay(const Eigen::Vector2d& ray,
+                                   const Eigen::Vector2d& place,
+                                   double camera_z,
+                                   double width) {
+  const double rise = place.y() - camera_z;
+  if (!(rise * ray.y() > 0.0)) return std::nullopt;
+  const double y_C = place.x() - rise * ray.x() / ray.y();
+  if (!(std::abs(y_C) < 0.5 * width)) return std::nullopt;
+  return y_C;
+}
+
 std::optional<double> LateralCandidate(const CorridorView& view,
                                        const SeenLine& line,
                                        CorridorEdge edge,
@@ -28,15 +39,13 @@ std::optional<double> LateralCandidate(const CorridorView& view,
   // The plane through the camera and the line contains the middle's ray, and
   // p lies on that ray: in the cross-section (left, up) seen along the axis
   // it is as many times the ray as its height asks for.
-  const Eigen::Vector3d ray_R = view.RayOf(line.middle);
-  const double left = ray_R.dot(AcrossIn(heading));
-  const double up = ray_R.z();
   const Eigen::Vector2d lever = CameraIn(view, 0.0, heading);
-  const double rise = place->y() - lever.y();
-  if (!(rise * up > 0.0)) return std::nullopt;
-  const double y_C = place->x() - rise * left / up;
-  if (!(std::abs(y_C) < 0.5 * corridor.width.value())) return std::nullopt;
-  return y_C - lever.x();
+  const auto y_C = LateralOfRay(RayAcross(view, line.middle, heading),
+                                *place,
+                                lever.y(),
+                                corridor.width.value());
+  if (!y_C) return std::nullopt;
+  return *y_C - lever.x();
 }
 
 void LateralConsensusOptions::Check() const {

@@ -4,6 +4,8 @@
 #include "estimation/corridor/corridor_types.h"
 #include "estimation/corridor/corridor_view.h"
 
+#include <Eigen/Core>
+
 #include <optional>
 #include <span>
 #include <string>
@@ -34,6 +36,15 @@ namespace waymark {
     CorridorEdge edge,
     const CorridorGeometry& corridor,
     double heading);
+
+// The same for the camera itself, its ray to a point of an edge at `place`,
+// both in the cross-section: y where the ray, back from the edge, has come to
+// the camera's height. nullopt where the edge is on the other side of the
+// camera, and where that would not be between the walls.
+[[nodiscard]] std::optional<double> LateralOfRay(const Eigen::Vector2d& ray,
+                                                 const Eigen::Vector2d& place,
+                                                 double camera_z,
+                                                 double width);
 
 struct LateralConsensusOptions {
   int num_kept = 4;  // Candidates left by the removal; at least 1.
