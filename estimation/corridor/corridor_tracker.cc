@@ -39,7 +39,9 @@ std::optional<AxisPrior> HeadingPriorOf(
     const std::optional<CorridorPrior>& prior, double max_sigma) {
   if (!prior) return std::nullopt;
   const double sigma = std::sqrt(prior->covariance(2, 2));
-  if (!(sigma < max_sigma)) return std::nullopt;
+  if (!(sigma < max_sigma) || !std::isfinite(prior->X_LR.heading)) {
+    return std::nullopt;
+  }
   return AxisPrior{prior->X_LR.heading, sigma};
 }
 

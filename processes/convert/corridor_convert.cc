@@ -196,6 +196,16 @@ std::optional<CorridorAnswer> CorridorAnswerFromMessage(
   if (!CorridorFrom(message, &answer.corridor, reason)) return std::nullopt;
   answer.lines_took = std::chrono::microseconds(message.lines_us);
   answer.pose_took = std::chrono::microseconds(message.pose_us);
+  for (const double value : message.covariance) {
+    if (std::isfinite(value)) continue;
+    Refuse(reason, "covariance: must be finite");
+    return std::nullopt;
+  }
+  for (const double value : message.sensor_R) {
+    if (std::isfinite(value)) continue;
+    Refuse(reason, "sensor_R: must be finite");
+    return std::nullopt;
+  }
   answer.X_RS = PoseFrom(message.sensor_R);
   CorridorEstimate& estimate = answer.estimate;
   const auto status = CorridorStatusFromName(message.status);
@@ -212,10 +222,20 @@ std::optional<CorridorAnswer> CorridorAnswerFromMessage(
   for (int i = 0; i < 4; ++i) {
     estimate.covariance(i / 2, i % 2) = message.covariance[i];
   }
+  if (!(message.p_regular >= 0.0 && message.p_regular <= 1.0)) {
+    Refuse(reason, "p_regular: must be in [0, 1]");
+    return std::nullopt;
+  }
   estimate.p_regular = message.p_regular;
   if (message.has_vanishing_point != 0) {
     estimate.vanishing_point =
         Eigen::Vector2d(message.vanishing_point[0], message.vanishing_point[1]);
+    // Farther than that is no pixel that anybody draws.
+    if (!(std::abs(message.vanishing_point[0]) < 1e9 &&
+          std::abs(message.vanishing_point[1]) < 1e9)) {
+      Refuse(reason, "vanishing_point: must be finite, below 1e9 px");
+      return std::nullopt;
+    }
   }
   for (const corridor_line_t& sent : message.lines) {
     CorridorLine line;

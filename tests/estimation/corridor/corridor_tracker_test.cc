@@ -192,6 +192,25 @@ TEST(EstimateCorridor, AHeadingAloneIsTestedToo) {
   EXPECT_LT(estimate.p_regular, 0.01);
 }
 
+TEST(EstimateCorridor, APriorThatIsNoHeadingChoosesNone) {
+  const CorridorView view = ViewForTests(0.1);
+  for (const CorridorMethod method :
+       {CorridorMethod::kJoint, CorridorMethod::kPaper}) {
+    CorridorTrackerOptions options = ExactOptions();
+    options.method = method;
+    for (const double heading : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      const auto estimate =
+          EstimateCorridor(view,
+                           SeeCorridor(view, Corridor(), {0.0, 0.3, 0.1}, {}),
+                           Corridor(),
+                           PriorAt({0.0, 0.3, heading}),
+                           options);
+      EXPECT_EQ(estimate.status, CorridorStatus::kAmbiguous);
+      EXPECT_FALSE(estimate.heading);
+    }
+  }
+}
+
 TEST(EstimateCorridor, WithoutLinesItSaysSo) {
   const CorridorView view = ViewForTests(0.1);
   const auto none = EstimateCorridor(

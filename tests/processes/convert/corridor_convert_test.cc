@@ -184,5 +184,29 @@ TEST(CorridorConvert, RefusesWhatCannotBe) {
   EXPECT_TRUE(refused([](M* m) { m->has_heading = 0; }));
 }
 
+TEST(CorridorConvert, RefusesAnswersThatNobodyCanDraw) {
+  const auto refused = [](auto change) {
+    corridor_pose_t message = ToMessage(Answer());
+    message.has_vanishing_point = 1;
+    change(&message);
+    std::string reason;
+    const bool is_refused = !CorridorAnswerFromMessage(message, &reason);
+    EXPECT_EQ(is_refused, !reason.empty());
+    return is_refused;
+  };
+  using M = corridor_pose_t;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(refused([](M*) {}));
+  EXPECT_TRUE(refused([](M* m) { m->vanishing_point[0] = kNan; }));
+  EXPECT_TRUE(refused([](M* m) { m->vanishing_point[1] = 1e300; }));
+  EXPECT_TRUE(refused([](M* m) { m->p_regular = 1.5; }));
+  EXPECT_TRUE(refused([](M* m) { m->p_regular = kNan; }));
+  EXPECT_TRUE(refused([](M* m) {
+    m->has_heading = 0;
+    m->has_y = 0;
+    m->sensor_R[2] = kNan;
+  }));
+}
+
 }  // namespace
 }  // namespace waymark
