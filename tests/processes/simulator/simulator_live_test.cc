@@ -31,13 +31,30 @@ class ManualBus final : public Bus {
  public:
   explicit ManualBus(Time start) : now_(start) {}
 
-  // Lets so much pass, then calls the timer once, as for a loop that was held.
+  // Lets so much pass, then calls the timers that are due once, as for a loop
+  // that was held.
   void Pass(Duration time) {
     now_ += time;
-    action_(now_);
+    for (Timer& timer : timers_) {
+      if (timer.next > now_) continue;
+      timer.next = now_ + timer.period;
+      timer.action(now_);
+    }
   }
   void Run(Duration time) {
-    for (const Time end = now_ + time; now_ + period_ <= end;) Pass(period_);
+    const Time end = now_ + time;
+    while (true) {
+      Time next = end;
+      bool is_due = false;
+      for (const Timer& timer : timers_) {
+        if (timer.next > next) continue;
+        next = timer.next;
+        is_due = true;
+      }
+      if (!is_due) break;
+      Pass(next - now_);
+    }
+    now_ = end;
   }
   template <typename M>
   [[nodiscard]] std::vector<M> Messages(const std::string& channel) const {
@@ -52,8 +69,7 @@ class ManualBus final : public Bus {
   [[nodiscard]] const std::string& fault() const { return fault_; }
 
   void Every(Duration period, std::function<void(Time)> action) override {
-    period_ = period;
-    action_ = std::move(action);
+    timers_.push_back({period, now_ + period, std::move(action)});
   }
   [[nodiscard]] Time now() const override { return now_; }
   void ReportBad(std::string_view, Bad, std::string_view) override {}
@@ -69,9 +85,14 @@ class ManualBus final : public Bus {
     sent_[std::string(channel)].emplace_back(data.begin(), data.end());
   }
 
+  struct Timer {
+    Duration period{0};
+    Time next;
+    std::function<void(Time)> action;
+  };
+
   Time now_;
-  Duration period_{0};
-  std::function<void(Time)> action_;
+  std::vector<Timer> timers_;
   std::map<std::string, std::vector<std::vector<std::uint8_t>>> sent_;
   std::string fault_;
 };
