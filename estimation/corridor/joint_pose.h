@@ -19,7 +19,7 @@ struct JointPoseOptions {
   EdgeEvidenceOptions evidence;
   double min_evidence = 5.0;  // Logarithm, over lines at random.
   // Another position as good as that, beyond exp(margin), makes it ambiguous.
-  double min_margin = 4.0;
+  double min_margin = 5.0;
   double min_seen_px = 100.0;  // Of edges, all together.
   int min_edges = 2;           // Different ones.
   // What remains however many lines agree, and is much the same from image to

@@ -51,12 +51,12 @@ TEST(EstimateCorridor, ExactLinesGiveExactPoses) {
                                              RadiansFromDegrees(yaw_deg));
       for (const double heading_deg : {-25.0, -8.0, 0.0, 3.0, 17.0, 25.0}) {
         for (const double y : {-0.6, -0.1, 0.0, 0.35, 0.7}) {
-          const Pose2 X_LR{0.0, y, RadiansFromDegrees(heading_deg - yaw_deg)};
+          const Pose2 X_LR{5.0, y, RadiansFromDegrees(heading_deg - yaw_deg)};
           const auto estimate =
               EstimateCorridor(view,
                                SeeCorridor(view, Corridor(), X_LR, see),
                                Corridor(),
-                               PriorAt({0.0, y + 0.1, X_LR.heading - 0.05}),
+                               PriorAt({5.0, y + 0.1, X_LR.heading - 0.05}),
                                ExactOptions());
           ASSERT_EQ(estimate.status, CorridorStatus::kAccepted)
               << estimate.reason << " " << tilt_deg << " " << yaw_deg << " "
