@@ -147,7 +147,14 @@ int RunBenches(int argc,
           return id == area || id == bench.id;
         });
     if (!ids.empty() && !wanted) continue;
-    std::vector<BenchRow> added = bench.run(full);
+    std::vector<BenchRow> added;
+    try {
+      added = bench.run(full);
+    } catch (const std::exception& error) {
+      std::cerr << area << "_bench: " << bench.id << ": " << error.what()
+                << '\n';
+      return 1;
+    }
     rows.insert(rows.end(), added.begin(), added.end());
   }
   std::cout << BenchTable(rows) << std::flush;

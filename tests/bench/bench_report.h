@@ -41,7 +41,8 @@ struct Bench {
 // Arguments: [ID or area...] --full --json FILE --list. Without IDs all run.
 // Prints the table on stdout and writes the JSON list. Returns 0; 2 with one
 // line for bad arguments, for an ID that none of `benches` has, or for a file
-// that cannot be written. A goal that is missed is a row, not an error.
+// that cannot be written; 1 where a benchmark throws. A goal that is missed is
+// a row, not an error.
 [[nodiscard]] int RunBenches(int argc,
                              char** argv,
                              const std::string& area,

@@ -25,6 +25,17 @@ struct BenchSweep {
                                   const std::vector<std::string>& settings,
                                   int num_seeds);
 
+// The same, for runs that take minutes: on all cores, with progress. Each
+// result is on disk as soon as it is there, under out/bench, and a bench that
+// was stopped goes on from it, as long as its executable is the same.
+// times_real_time is not known. `name`: of the file. Throws std::runtime_error
+// where it is interrupted or a run crashes.
+[[nodiscard]] BenchSweep RunSeedsInParts(
+    Experiment* experiment,
+    const std::vector<std::string>& settings,
+    int num_seeds,
+    const std::string& name);
+
 [[nodiscard]] BenchRow SweepRow(const std::string& id,
                                 const std::string& name,
                                 double value,

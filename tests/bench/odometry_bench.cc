@@ -2,6 +2,7 @@
 
 #include "estimation/base/random.h"
 #include "estimation/filter/odometry_ekf.h"
+#include "estimation/filter/posterior_bound.h"
 #include "estimation/geometry/angle.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/fusion_benches.h"
@@ -60,57 +61,21 @@ struct Errors {
   std::array<double, 2> variance{};
 };
 
-Eigen::RowVector3d RatioJacobian(const WheelParameters& p) {
-  return {1.0 / p.k_left, -p.k_right / (p.k_left * p.k_left), 0.0};
-}
-
 Errors ErrorsOf(const WheelParameters& p, const Eigen::Matrix3d& P) {
   Errors e;
   e.error = {p.k_right / p.k_left - kTrue.k_right / kTrue.k_left,
              p.wheel_base - kTrue.wheel_base};
-  const Eigen::RowVector3d J = RatioJacobian(p);
-  e.variance = {J * P * J.transpose(), P(2, 2)};
+  e.variance = {RatioVariance(p, P), P(2, 2)};
   return e;
 }
 
-// Posterior Cramer-Rao bound: the Riccati recursion of the filter with all
-// Jacobians at the true states.
-class Bound {
- public:
-  Bound(const DriveSimulationOptions& drive, const AbsoluteFix& fix)
-      : drive_(drive), R_(fix.covariance.bottomRightCorner<2, 2>()) {
-    P_ = Matrix6::Zero();
-    P_.topLeftCorner<3, 3>() =
-        kStartSigma * kStartSigma * Eigen::Matrix3d::Identity();
-    P_.bottomRightCorner<3, 3>() = PriorOfParameters();
-  }
-  void Predict(const Pose2& X_WR, const WheelTicks& ticks) {
-    const DriveStep step = IntegrateTicks(
-        ticks, drive_.parameters, drive_.noise, drive_.integration);
-    const ComposeJacobians J = JacobiansOfCompose(X_WR, step.X_R0R1);
-    Matrix6 F = Matrix6::Identity();
-    F.topLeftCorner<3, 3>() = J.d_AB;
-    F.topRightCorner<3, 3>() = J.d_BC * step.d_parameters;
-    P_ = (F * P_ * F.transpose()).eval();
-    P_.topLeftCorner<3, 3>() += J.d_BC * step.covariance * J.d_BC.transpose();
-  }
-  void Update() {
-    Eigen::Matrix<double, 2, 6> H = Eigen::Matrix<double, 2, 6>::Zero();
-    H(0, 1) = H(1, 2) = 1.0;
-    const Eigen::Matrix2d S = H * P_ * H.transpose() + R_;
-    const Eigen::Matrix<double, 6, 2> K = P_ * H.transpose() * S.inverse();
-    P_ = ((Matrix6::Identity() - K * H) * P_).eval();
-    P_ = (0.5 * (P_ + P_.transpose())).eval();
-  }
-  [[nodiscard]] Errors errors() const {
-    return ErrorsOf(kTrue, P_.bottomRightCorner<3, 3>());
-  }
-
- private:
-  DriveSimulationOptions drive_;
-  Eigen::Matrix2d R_;
-  Matrix6 P_;
-};
+PosteriorBound BoundOf(const DriveSimulationOptions& drive) {
+  Matrix6 prior = Matrix6::Zero();
+  prior.topLeftCorner<3, 3>() =
+      kStartSigma * kStartSigma * Eigen::Matrix3d::Identity();
+  prior.bottomRightCorner<3, 3>() = PriorOfParameters();
+  return {kTrue, drive.noise, drive.integration, prior};
+}
 
 struct Sums {
   std::array<double, 2> squared{};
@@ -209,7 +174,7 @@ void RunSeed(int run, const Vision& vision, Convergence* sums) {
                     random.Normal(kStartSigma)};
   OdometryEkf ours = StartFilter(ParameterForm::kTurn, drive, start);
   OdometryEkf plain = StartFilter(ParameterForm::kTravel, drive, start);
-  Bound bound(drive, fix);
+  PosteriorBound bound = BoundOf(drive);
   std::size_t checkpoint = 0;
   for (std::size_t i = 1; i < readings.size(); ++i) {
     const WheelTicks ticks{
@@ -223,7 +188,7 @@ void RunSeed(int run, const Vision& vision, Convergence* sums) {
     fix.value = driver.measured()[i / kReadingsPerUpdate];
     ours.Update(fix);
     plain.Update(fix);
-    bound.Update();
+    bound.Update(readings[i].X_WR, fix);
     if (static_cast<int>(i) / kReadingsPerUpdate != kCheckpoints[checkpoint]) {
       continue;
     }
@@ -231,8 +196,9 @@ void RunSeed(int run, const Vision& vision, Convergence* sums) {
         ErrorsOf(ours.parameters(), ours.parameter_covariance()));
     sums->plain[checkpoint].Add(
         ErrorsOf(plain.parameters(), plain.parameter_covariance()));
+    const Errors least = ErrorsOf(kTrue, bound.parameter_covariance());
     for (std::size_t k = 0; k < 2; ++k) {
-      sums->bound[checkpoint][k] += bound.errors().variance[k];
+      sums->bound[checkpoint][k] += least.variance[k];
     }
     ++checkpoint;
   }

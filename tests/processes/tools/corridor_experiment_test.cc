@@ -91,6 +91,12 @@ TEST(CorridorExperiment, LearnsItsWheels) {
   EXPECT_LT(std::abs(FigureOf(result, "base_error")), 0.02);
   EXPECT_LT(std::abs(FigureOf(result, "ratio_sigmas")), 5.0);
   EXPECT_LT(std::abs(FigureOf(result, "base_sigmas")), 5.0);
+  // Better than the bound it is by chance alone, and hardly worse.
+  for (const std::string of : {"ratio", "base"}) {
+    const double bound = FigureOf(result, of + "_bound");
+    EXPECT_GT(bound, 1e-5);
+    EXPECT_LT(std::abs(FigureOf(result, of + "_error")), 4.0 * bound);
+  }
 }
 
 TEST(CorridorExperiment, RefusesABlindWayThatEndsBeforeItBegins) {
