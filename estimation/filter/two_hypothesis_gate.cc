@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace waymark {
 namespace {
@@ -23,6 +24,19 @@ double LogDensity(const FixVector& residual, const FixMatrix& S) {
 }
 
 }  // namespace
+
+void GateOptions::Check() const {
+  const auto require = [](bool is_good, const char* what) {
+    if (!is_good) throw std::invalid_argument(what);
+  };
+  require(min_regular >= 0.0 && min_regular < 1.0,
+          "gate.min_regular: must be in [0, 1)");
+  require(prior_regular > min_regular && prior_regular < 1.0,
+          "gate.prior_regular: must exceed gate.min_regular, or nothing would "
+          "be accepted where little is known, and be below 1");
+  require(faulty_position_sigma > 0.0 && faulty_heading_sigma > 0.0,
+          "gate.faulty_position_sigma and _heading_sigma: must be positive");
+}
 
 double RegularProbability(const std::array<bool, 3>& has,
                           const Innovation& innovation,

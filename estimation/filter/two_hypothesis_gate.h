@@ -16,6 +16,9 @@ struct GateOptions {
   // Error of a faulty measurement: far beyond the regular one's.
   double faulty_position_sigma = 1.0;  // m.
   double faulty_heading_sigma = 0.5;   // rad.
+
+  // Throws std::invalid_argument naming the first field out of range.
+  void Check() const;
 };
 
 // P(regular | innovation) by [1, section III.D]: both hypotheses expect the

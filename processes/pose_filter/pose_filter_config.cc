@@ -220,11 +220,7 @@ void PoseFilterConfig::Check() const {
       refuse("noise.walk_per_sqrt_metre and _second: none may be negative");
     }
   }
-  if (gate.prior_regular <= gate.min_regular) {
-    refuse(
-        "gate.prior_regular: must exceed gate.min_regular, or an uncertain "
-        "filter would accept nothing");
-  }
+  gate.Check();
   if (alignment.max_fixes < 2 * alignment.min_fixes) {
     refuse("alignment.max_fixes: must be at least twice min_fixes");
   }
