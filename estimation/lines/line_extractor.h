@@ -46,7 +46,7 @@ class LineExtractor {
   // std::invalid_argument).
   [[nodiscard]] LineSet Extract(const cv::Mat1b& image);
 
-  // Of the last image.
+  // Of the last image; there must have been one.
   [[nodiscard]] const EdgeImage& edges() const { return *edges_; }
 
  private:

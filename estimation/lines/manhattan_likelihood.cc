@@ -130,6 +130,7 @@ std::optional<Matrix3d> ManhattanLikelihood::Settle(Matrix3d* R_CM) const {
   // The likelihood's own rounding hides its rise over steps as small.
   constexpr double kSmall = 1e-6;
   constexpr double kLeastDamping = 1e-3;
+  constexpr double kMostDamping = 1e12;  // Then no step is small enough.
   std::vector<Held> held(lines_.size());
   double damping = 0.0;
   for (int i = 0; i < kMaxSteps; ++i) {
@@ -156,6 +157,7 @@ std::optional<Matrix3d> ManhattanLikelihood::Settle(Matrix3d* R_CM) const {
         }
       }
       damping = std::max(4.0 * damping, 4.0 * kLeastDamping);
+      if (damping > kMostDamping) return std::nullopt;
     }
   }
   return std::nullopt;
