@@ -1,8 +1,11 @@
 #include "estimation/batch/batch_input.h"
 
+#include "estimation/geometry/angle.h"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <cmath>
 
 namespace waymark {
 namespace {
@@ -71,6 +74,16 @@ int SlotOf(const std::string& source,
   return static_cast<int>(slots->size()) - 1;
 }
 
+// A sensor has one mounting: what a pan-tilt head measures while it looks
+// elsewhere is of another.
+bool IsMountedAs(const BatchSensorSlot& slot, const Pose2& X_RS) {
+  constexpr double kSameM = 1e-3;
+  constexpr double kSameRad = 1e-3;
+  const Eigen::Vector3d nominal = slot.nominal.head<3>();
+  return (X_RS.position() - nominal.head<2>()).norm() < kSameM &&
+         std::abs(WrapAngle(X_RS.heading - nominal.z())) < kSameRad;
+}
+
 BatchLogInput PrepareLog(const BatchLog& log,
                          int index,
                          const BatchOptions& options,
@@ -96,7 +109,9 @@ BatchLogInput PrepareLog(const BatchLog& log,
       const int sensor =
           SlotOf(fix.source, index, fix.X_RS, options, &input->sensors);
       const double time = track.SecondsAt(fix.time);
-      if (is_inside(time, sensor)) {
+      if (is_inside(time, sensor) &&
+          IsMountedAs(input->sensors[static_cast<std::size_t>(sensor)],
+                      fix.X_RS)) {
         ready.fixes.push_back({&fix, sensor, time});
         continue;
       }

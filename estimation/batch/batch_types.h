@@ -143,7 +143,9 @@ struct BatchResult {
   int num_rounds = 0;
   int num_keyframes = 0;
   int num_measurements = 0;  // Used.
-  int num_refused = 0;       // Outside the readings' time, or not finite.
+  // Outside the readings' time, not finite, or by another mounting than the
+  // first of that source.
+  int num_refused = 0;
   double inlier_share = 0.0;
   double travel_m = 0.0;
   // Weighted sum of squares over degrees of freedom: 1 where the stated noise

@@ -298,6 +298,8 @@ TEST(BatchRefiner, BadMeasurementsAreCountedAndLeftOut) {
   spoil([](AbsoluteFix* fix) { fix->has = {false, false, false}; });
   spoil([&](AbsoluteFix* fix) { fix->X_RS.x = kNan; });
   spoil([](AbsoluteFix* fix) { fix->time += DurationFromSeconds(1e4); });
+  // By a head that was turned.
+  spoil([](AbsoluteFix* fix) { fix->X_RS.heading += 0.3; });
   RelativeMotion backwards;
   backwards.source = "sensor";
   backwards.from = simulation.log.encoders[20].time;
@@ -309,7 +311,7 @@ TEST(BatchRefiner, BadMeasurementsAreCountedAndLeftOut) {
   spoilt.encoders.insert(spoilt.encoders.begin() + 50, reading);
   const BatchResult clean = Solve(simulation.log, Options());
   const BatchResult result = Solve(spoilt, Options());
-  EXPECT_EQ(result.num_refused, 8);
+  EXPECT_EQ(result.num_refused, 9);
   EXPECT_EQ(result.parameters, clean.parameters);  // To the bit.
 }
 
