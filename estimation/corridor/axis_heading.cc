@@ -171,6 +171,12 @@ void AxisHeadingOptions::Check() const {
   if (!(max_sigmas > 0.0)) {
     throw std::invalid_argument("max_sigmas: must be positive");
   }
+  if (!(min_evidence >= 0.0)) {
+    throw std::invalid_argument("min_evidence: must not be negative");
+  }
+  if (!(min_pair_px >= 0.0)) {
+    throw std::invalid_argument("min_pair_px: must not be negative");
+  }
   if (min_lines < 1) throw std::invalid_argument("min_lines: at least 1");
   if (!(min_margin_share >= 0.0 && min_margin_share <= 1.0)) {
     throw std::invalid_argument("min_margin_share: in [0, 1]");
@@ -193,7 +199,7 @@ std::optional<AxisHeading> EstimateAxisHeading(
   }
   AxisHeading result;
   if (!FindPeak(votes, prior, &result)) return std::nullopt;
-  if (result.evidence < options.min_evidence) return std::nullopt;
+  if (!(result.evidence >= options.min_evidence)) return std::nullopt;
 
   Step step;
   // The peak is known to a bin at first; lines may be known far better.
@@ -226,6 +232,7 @@ std::optional<AxisHeading> EstimateAxisHeading(
   const Eigen::Vector3d across = view.PixelOf(AcrossIn(result.heading));
   int num_along = 0;
   int num_across = 0;
+  int num_long = 0;  // Of those along.
   for (const SeenLine& line : lines) {
     const double off = std::abs(VanishingResidual(line, axis));
     const double off_across = std::abs(VanishingResidual(line, across));
@@ -233,6 +240,7 @@ std::optional<AxisHeading> EstimateAxisHeading(
     if (off <= options.max_sigmas && off <= off_across) {
       family = LineFamily::kAlong;
       ++num_along;
+      num_long += line.length >= options.min_pair_px ? 1 : 0;
     } else if (off_across <= options.max_sigmas) {
       family = LineFamily::kAcross;
       ++num_across;
@@ -240,9 +248,9 @@ std::optional<AxisHeading> EstimateAxisHeading(
     result.families.push_back(family);
   }
   // One line along has its vanishing point anywhere.
-  if (num_along < 2 || num_along + num_across < options.min_lines) {
-    return std::nullopt;
-  }
+  const bool has_enough =
+      num_long >= 2 || num_along + num_across >= options.min_lines;
+  if (num_along < 2 || !has_enough) return std::nullopt;
   return result;
 }
 

@@ -19,7 +19,11 @@ struct AxisHeadingOptions {
   // Logarithm of the likelihood, over that of lines at random, that an answer
   // needs.
   double min_evidence = 10.0;
-  int min_lines = 3;  // Along the corridor and across it; two along.
+  // Along the corridor and across it; two along. Two alone where both are as
+  // long as that: skirting board and floor edge of the wall before a robot that
+  // turns.
+  int min_lines = 3;
+  double min_pair_px = 200.0;
   // Where lines at random happen to agree, they do so nearly as well elsewhere:
   // a heading stands by itself, without a position that goes with it, where
   // its margin is at least so much of its evidence.

@@ -7,33 +7,10 @@
 #include <cstddef>
 #include <stdexcept>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace waymark {
 namespace {
-
-// The pinhole view of a lens that sees more than one can: so far to each side.
-const double kHalfView = RadiansFromDegrees(50.0);
-
-Intrinsics PinholeOf(const CameraView& camera) {
-  if (const auto* lens = std::get_if<PerspectiveCamera>(&camera.model)) {
-    return lens->intrinsics();
-  }
-  const auto straight =
-      PixelFromRay(camera.model, Eigen::Vector3d(0.0, 0.0, 1.0));
-  if (std::holds_alternative<PanoramaCamera>(camera.model) || !straight) {
-    throw std::invalid_argument(
-        "camera: must see straight ahead, as lenses do and panoramas do not");
-  }
-  const double f = 0.5 * camera.size.width / std::tan(kHalfView);
-  return {f, f, 0.5 * (camera.size.width - 1), 0.5 * (camera.size.height - 1)};
-}
-
-bool IsPinhole(const CameraView& camera) {
-  const auto* lens = std::get_if<PerspectiveCamera>(&camera.model);
-  return lens != nullptr && lens->distortion() == LensDistortion{};
-}
 
 std::optional<AxisPrior> HeadingPriorOf(
     const std::optional<CorridorPrior>& prior, double max_sigma) {
@@ -62,7 +39,9 @@ bool IsAtEnd(const CorridorGeometry& corridor,
   const bool is_forward = std::cos(prior->X_LR.heading) > 0.0;
   const double left = is_forward ? corridor.x_max - prior->X_LR.x
                                  : prior->X_LR.x - corridor.x_min;
-  return left < end_m;
+  // Who hardly knows where along it the robot is cannot say so.
+  const bool is_known = prior->covariance(0, 0) < end_m * end_m;
+  return is_known && left < end_m;
 }
 
 bool IsKnownEdge(CorridorEdge edge) {
@@ -148,12 +127,14 @@ void CorridorTrackerOptions::Check() const {
   heading.Check();
   pose.Check();
   paper.Check();
+  gate.Check();
   const auto require = [](bool is_good, const char* what) {
     if (!is_good) throw std::invalid_argument(what);
   };
   require(model_px >= 0.0 && model_px <= 100.0, "model_px: in [0, 100]");
   require(model_rad >= 0.0 && model_rad <= 1.0, "model_rad: in [0, 1]");
-  require(max_prior_rad > 0.0, "max_prior_rad: must be positive");
+  require(max_prior_rad > 0.0 && max_prior_rad <= kPi,
+          "max_prior_rad: in (0, pi]");
   require(end_m >= 0.0, "end_m: must not be negative");
 }
 
@@ -189,11 +170,13 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
     estimate.lines.push_back({segment, CorridorEdge::kNone, false});
     seen.push_back(SeenLineOf(segment, options.model_px, options.model_rad));
   }
+  const bool is_at_end = IsAtEnd(corridor, prior, options.end_m);
   if (seen.empty()) {
-    SayNo(CorridorStatus::kNoLines, "no lines in the image", &estimate);
+    SayNo(is_at_end ? CorridorStatus::kEnds : CorridorStatus::kNoLines,
+          is_at_end ? "the corridor ends ahead" : "no lines in the image",
+          &estimate);
     return estimate;
   }
-  const bool is_at_end = IsAtEnd(corridor, prior, options.end_m);
   const auto prior_heading = HeadingPriorOf(prior, options.max_prior_rad);
   const auto heading = FindHeading(view, lines, seen, prior_heading, options);
   if (!heading) {
@@ -205,8 +188,9 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
   }
   NoteFamilies(view, *heading, &estimate);
   if (!prior_heading) {
+    estimate.p_regular = 1.0;
     SayNo(CorridorStatus::kAmbiguous,
-          "either way along the corridor: no heading known before",
+          "either way along the corridor: no heading known well enough before",
           &estimate);
     return estimate;
   }
@@ -248,15 +232,8 @@ CorridorEstimate EstimateCorridor(const CorridorView& view,
 
 CorridorTracker::CorridorTracker(const CameraView& camera,
                                  const CorridorTrackerOptions& options)
-    : camera_(camera),
-      options_(options),
-      intrinsics_(PinholeOf(camera)),
-      view_{PerspectiveCamera(intrinsics_), camera.size},
-      extractor_(options.lines) {
+    : options_(options), lines_(camera, options.lines) {
   options.Check();
-  if (!IsPinhole(camera)) {
-    remap_.emplace(view_, camera_, Eigen::Matrix3d::Identity());
-  }
 }
 
 CorridorEstimate CorridorTracker::Estimate(
@@ -268,8 +245,7 @@ CorridorEstimate CorridorTracker::Estimate(
 }
 
 LineSet CorridorTracker::FindLines(const cv::Mat1b& image) {
-  const cv::Mat1b seen = remap_ ? cv::Mat1b(remap_->Apply(image)) : image;
-  return extractor_.Extract(seen);
+  return lines_.Find(image);
 }
 
 CorridorEstimate CorridorTracker::EstimateFrom(
@@ -277,28 +253,24 @@ CorridorEstimate CorridorTracker::EstimateFrom(
     const Eigen::Isometry3d& X_RC,
     const CorridorGeometry& corridor,
     const std::optional<CorridorPrior>& prior) const {
-  CorridorEstimate estimate = EstimateCorridor(
-      {intrinsics_, view_.size, X_RC}, lines, corridor, prior, options_);
-  if (remap_) MoveToCamera(&estimate);
-  return estimate;
-}
-
-void CorridorTracker::MoveToCamera(CorridorEstimate* estimate) const {
-  const auto move = [this](const Eigen::Vector2d& pixel) {
-    const auto ray = RayFromPixel(view_.model, pixel);
-    return ray ? PixelFromRay(camera_.model, ray->ray) : std::nullopt;
-  };
-  for (CorridorLine& line : estimate->lines) {
-    const auto a = move(line.line.a);
-    const auto b = move(line.line.b);
+  CorridorEstimate estimate =
+      EstimateCorridor({lines_.intrinsics(), lines_.view().size, X_RC},
+                       lines,
+                       corridor,
+                       prior,
+                       options_);
+  // A line of which an end is nowhere in the camera's image stays as it is.
+  for (CorridorLine& line : estimate.lines) {
+    const auto a = lines_.CameraPixel(line.line.a);
+    const auto b = lines_.CameraPixel(line.line.b);
     if (!a || !b) continue;
-    line.line.a = a->pixel;
-    line.line.b = b->pixel;
+    line.line.a = *a;
+    line.line.b = *b;
   }
-  if (!estimate->vanishing_point) return;
-  const auto point = move(*estimate->vanishing_point);
-  estimate->vanishing_point =
-      point ? std::optional(point->pixel) : std::nullopt;
+  if (estimate.vanishing_point) {
+    estimate.vanishing_point = lines_.CameraPixel(*estimate.vanishing_point);
+  }
+  return estimate;
 }
 
 }  // namespace waymark

@@ -1,12 +1,12 @@
 // From an image to the robot's place in a corridor.
 #pragma once
 
-#include "estimation/camera/image_remap.h"
 #include "estimation/corridor/axis_heading.h"
 #include "estimation/corridor/corridor_types.h"
 #include "estimation/corridor/corridor_view.h"
 #include "estimation/corridor/joint_pose.h"
 #include "estimation/corridor/paper_pose.h"
+#include "estimation/corridor/pinhole_lines.h"
 #include "estimation/filter/two_hypothesis_gate.h"
 #include "estimation/geometry/angle.h"
 #include "estimation/lines/line_extractor.h"
@@ -33,8 +33,9 @@ struct CorridorTrackerOptions {
   JointPoseOptions pose;
   PaperPoseOptions paper;  // For kPaper.
   GateOptions gate;
-  // A prior heading known worse than this does not choose a direction.
-  double max_prior_rad = RadiansFromDegrees(45.0);
+  // A prior heading known worse than this does not choose a direction: what is
+  // more than 45 degrees from it counts as across, three sigmas.
+  double max_prior_rad = RadiansFromDegrees(15.0);
   // So near to the corridor's end, ahead, it counts as ending there.
   double end_m = 1.0;
 
@@ -60,8 +61,7 @@ struct CorridorTrackerOptions {
                                           const CorridorPrior& prior,
                                           const GateOptions& options);
 
-// EstimateCorridor for images of one camera, of any model: it is first brought
-// to a pinhole view that looks the same way. Keeps its buffers.
+// EstimateCorridor for images of one camera, of any model. Keeps its buffers.
 class CorridorTracker {
  public:
   // Throws std::invalid_argument as options.Check() does, and where the camera
@@ -86,17 +86,11 @@ class CorridorTracker {
       const std::optional<CorridorPrior>& prior) const;
 
   // What lines are looked for in.
-  [[nodiscard]] const CameraView& view() const { return view_; }
+  [[nodiscard]] const CameraView& view() const { return lines_.view(); }
 
  private:
-  void MoveToCamera(CorridorEstimate* estimate) const;
-
-  CameraView camera_;
   CorridorTrackerOptions options_;
-  Intrinsics intrinsics_;
-  CameraView view_;
-  std::optional<ImageRemap> remap_;  // Absent: the camera is a pinhole.
-  LineExtractor extractor_;
+  PinholeLines lines_;
 };
 
 }  // namespace waymark

@@ -86,7 +86,8 @@ struct CorridorEstimate {
   std::optional<double> y;        // Of R in L, m.
   // Of (y, heading); rows of what is absent are 0.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  double p_regular = 0.0;  // By the two-hypothesis test; 1 without a prior.
+  double p_regular = 0.0;  // By the two-hypothesis test; 1 where a direction
+                           // was found and no prior chose among both ways.
   // Where the corridor's axis vanishes, px of the image that was given.
   std::optional<Eigen::Vector2d> vanishing_point;
   std::vector<CorridorLine> lines;  // All, in the order of the input.

@@ -183,12 +183,20 @@ class Evidence {
         options_(options),
         from_(-options.reach_m),
         to_(options.reach_m),
+        farthest_from_(-options.reach_m),
+        farthest_to_(options.reach_m),
         of_line_(lines.size(), kNowhere) {
     if (prior) {
-      // What is there for certain, almost.
+      // What is there for certain, almost; but half the way to each end always.
+      // An edge is mostly seen near by: where it ends in truth, if the robot is
+      // farther along than believed, changes little of its length in the image.
       const double margin = 2.0 * prior->sigma_x;
-      from_ = std::max(from_, corridor.x_min - prior->x + margin);
-      to_ = std::min(to_, corridor.x_max - prior->x - margin);
+      const double behind = corridor.x_min - prior->x;
+      const double ahead = corridor.x_max - prior->x;
+      from_ = std::max(from_, std::min(behind + margin, 0.5 * behind));
+      to_ = std::min(to_, std::max(ahead - margin, 0.5 * ahead));
+      farthest_from_ = std::max(farthest_from_, behind - margin);
+      farthest_to_ = std::min(farthest_to_, ahead + margin);
     }
     for (std::size_t i = 0; i < kCorridorEdges.size(); ++i) {
       places_[i] = PlaceOf(kCorridorEdges[i], corridor);
@@ -205,10 +213,11 @@ class Evidence {
       const auto match = MatchOf(i, y);
       peak.coverage[i] = match ? match->coverage : -1.0;
       if (!match) continue;
-      // Lines that fit so badly are better taken for others.
+      // Lines that fit so badly are better taken for others; nothing speaks
+      // against an edge that may have ended before.
       peak.evidence += std::max(
           LogRatio(match->coverage, IsCeiling(i), options_) - match->misfit,
-          LogRatio(0.0, IsCeiling(i), options_));
+          match->is_certain ? LogRatio(0.0, IsCeiling(i), options_) : 0.0);
     }
     return peak;
   }
@@ -216,7 +225,8 @@ class Evidence {
  private:
   struct Match {
     double coverage = 0.0;
-    double misfit = 0.0;  // Half the mean squared sigmas.
+    double misfit = 0.0;      // Half the mean squared sigmas.
+    bool is_certain = false;  // That the edge is there.
   };
 
   struct Taken {
@@ -244,13 +254,19 @@ class Evidence {
   }
 
   std::optional<Match> MatchOf(std::size_t edge, double y) {
-    if (!places_[edge] || to_ <= from_) return std::nullopt;
-    const auto visible =
-        VisibleEdge(view_, *places_[edge], y, heading_, from_, to_);
+    if (!places_[edge]) return std::nullopt;
+    bool is_certain = true;
+    auto visible = LongEnough(edge, y, from_, to_);
+    if (!visible) {
+      // Where the corridor ends its edges are short; the longer stretch up to
+      // where it may end can be there. Positions at which nothing is expected
+      // would else have no say.
+      is_certain = false;
+      visible = LongEnough(edge, y, farthest_from_, farthest_to_);
+    }
     if (!visible) return std::nullopt;
     const auto& [a, b] = *visible;
     const double length = (b - a).norm();
-    if (length < options_.min_length_px) return std::nullopt;
     const Eigen::Vector2d along = (b - a) / length;
     double sum = 0.0;
     double weight = 0.0;
@@ -265,8 +281,21 @@ class Evidence {
       sum += (to - from) * taken.off * taken.off;
       weight += to - from;
     }
-    if (covered_.empty()) return Match{};
-    return Match{UnionOf(&covered_) / length, 0.5 * sum / weight};
+    if (covered_.empty()) return Match{0.0, 0.0, is_certain};
+    return Match{UnionOf(&covered_) / length, 0.5 * sum / weight, is_certain};
+  }
+
+  // The stretch of an edge in the image, where it is as long as it must be.
+  [[nodiscard]] std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>>
+  LongEnough(std::size_t edge, double y, double from, double to) const {
+    if (to <= from) return std::nullopt;
+    const auto visible =
+        VisibleEdge(view_, places_[edge].value(), y, heading_, from, to);
+    if (!visible ||
+        (visible->second - visible->first).norm() < options_.min_length_px) {
+      return std::nullopt;
+    }
+    return visible;
   }
 
   const CorridorView& view_;
@@ -275,8 +304,10 @@ class Evidence {
   double heading_;
   std::optional<LateralPrior> prior_;
   const EdgeEvidenceOptions& options_;
-  double from_;  // Along the axis, m from the robot.
-  double to_;
+  double from_;  // Along the axis, m from the robot: where edges are for
+  double to_;    // certain, and where they may be.
+  double farthest_from_;
+  double farthest_to_;
   std::array<std::optional<Eigen::Vector2d>, kCorridorEdges.size()> places_;
   static constexpr auto kNowhere = static_cast<std::size_t>(-1);
   std::vector<Taken> taken_;

@@ -124,6 +124,43 @@ bool IsEdge(CorridorEdge edge) {
   return edge != CorridorEdge::kNone && edge != CorridorEdge::kAlong;
 }
 
+bool IsLeft(CorridorEdge edge) {
+  return edge == CorridorEdge::kFloorLeft ||
+         edge == CorridorEdge::kCeilingLeft ||
+         edge == CorridorEdge::kSkirtingLeft;
+}
+
+// Whether all edges that lines were taken for are of one wall.
+bool IsOneWall(const std::vector<CorridorEdge>& edges) {
+  bool has_left = false;
+  bool has_right = false;
+  for (const CorridorEdge edge : edges) {
+    if (!IsEdge(edge)) continue;
+    (IsLeft(edge) ? has_left : has_right) = true;
+  }
+  return !(has_left && has_right);
+}
+
+// Of the lines' middles from their edges, px, by the lines' lengths.
+double RmsOf(const CorridorView& view,
+             const CorridorGeometry& corridor,
+             std::span<const SeenLine> lines,
+             const std::vector<CorridorEdge>& edges,
+             const Eigen::Vector2d& state) {
+  double sum = 0.0;
+  double length = 0.0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!IsEdge(edges[i])) continue;
+    const auto image = ImageOfEdge(
+        view, PlaceOf(edges[i], corridor).value(), state(0), state(1));
+    if (!image) continue;
+    const double off = image->dot(lines[i].middle.homogeneous());
+    sum += lines[i].length * off * off;
+    length += lines[i].length;
+  }
+  return length > 0.0 ? std::sqrt(sum / length) : 0.0;
+}
+
 // Why what was found does not do; empty where it does.
 std::string FaultOf(std::span<const SeenLine> lines,
                     const std::vector<CorridorEdge>& edges,
@@ -159,6 +196,12 @@ void JointPoseOptions::Check() const {
   require(floor_rad > 0.0, "floor_rad: must be positive");
   require(max_sigma_m > 0.0, "max_sigma_m: must be positive");
   require(min_edges >= 1, "min_edges: at least 1");
+  require(min_evidence >= 0.0, "min_evidence: must not be negative");
+  require(min_margin >= 0.0, "min_margin: must not be negative");
+  require(min_margin_one_wall >= 0.0,
+          "min_margin_one_wall: must not be negative");
+  require(max_rms_one_wall_px > 0.0, "max_rms_one_wall_px: must be positive");
+  require(min_seen_px >= 0.0, "min_seen_px: must not be negative");
 }
 
 JointPose EstimateJointPose(const CorridorView& view,
@@ -182,17 +225,16 @@ JointPose EstimateJointPose(const CorridorView& view,
                                            heading.heading,
                                            prior,
                                            options.evidence);
-  Assign(candidates,
-         at,
-         peak.y,
-         options.evidence.max_sigmas,
-         options.evidence.scatter_m,
-         &pose.edges);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (heading.families[i] == LineFamily::kAlong) {
+      pose.edges[i] = CorridorEdge::kAlong;
+    }
+  }
   if (!(peak.evidence >= options.min_evidence)) {
     pose.reason = "lines do not agree on a position";
     return pose;
   }
-  if (peak.evidence - peak.rival < options.min_margin) {
+  if (!(peak.evidence - peak.rival >= options.min_margin)) {
     pose.reason = "two positions are equally likely";
     return pose;
   }
@@ -232,6 +274,15 @@ JointPose EstimateJointPose(const CorridorView& view,
       !(covariance(0, 0) < options.max_sigma_m * options.max_sigma_m)) {
     pose.reason = "the edges seen do not say where exactly";
     return pose;
+  }
+  if (IsOneWall(pose.edges)) {
+    const double margin = peak.evidence - peak.rival;
+    if (!(margin >= options.min_margin_one_wall) ||
+        RmsOf(view, corridor, lines, pose.edges, state) >
+            options.max_rms_one_wall_px) {
+      pose.reason = "the edges of one wall alone do not stand out enough";
+      return pose;
+    }
   }
   pose.y = state(0);
   pose.heading = WrapAngle(state(1));

@@ -20,6 +20,11 @@ struct JointPoseOptions {
   double min_evidence = 5.0;  // Logarithm, over lines at random.
   // Another position as good as that, beyond exp(margin), makes it ambiguous.
   double min_margin = 5.0;
+  // The edges of one wall alone are a pair of parallel lines, as two joints of
+  // a floor are: they must stand out by more, and lie closer to where they
+  // should be, root mean square of their distances.
+  double min_margin_one_wall = 6.0;
+  double max_rms_one_wall_px = 0.7;
   double min_seen_px = 100.0;  // Of edges, all together.
   int min_edges = 2;           // Different ones.
   // What remains however many lines agree, and is much the same from image to

@@ -1,5 +1,6 @@
 #include "processes/corridor_tracker/corridor_tracker_config.h"
 
+#include "estimation/base/input_error.h"
 #include "processes/convert/camera_file.h"
 #include "processes/convert/corridor_file.h"
 #include "processes/support/channels.h"
@@ -10,6 +11,8 @@ namespace waymark {
 
 void CorridorTrackerConfig::Describe(Describer& d) {
   constexpr Range kShare{0.0, 1.0};
+  // Certainty either way would leave nothing to weigh.
+  constexpr Range kUncertain{1e-6, 1.0 - 1e-6};
   d.Text("camera", &camera, "As in IMAGE_<camera>: A-Z, 0-9 and _");
   d.Text("calibration",
          &calibration,
@@ -32,6 +35,19 @@ void CorridorTrackerConfig::Describe(Describer& d) {
                               {"edge_chains", LineScheme::kEdgeChains}},
                              "As published, or edges followed along their "
                              "gradient");
+        d.Choice<HoughForm>(
+            "hough",
+            &tracker.lines.hough.form,
+            {{"words", HoughForm::kWords}, {"tables", HoughForm::kLiteral}},
+            "Of segmented_hough: 8 x 8 tiles as words, or 10 x "
+            "10 with look-up tables, as published");
+        d.Choice<EdgeSuppression>(
+            "suppression",
+            &tracker.lines.edges.suppression,
+            {{"two_axes", EdgeSuppression::kTwoAxes},
+             {"four_directions", EdgeSuppression::kFourDirections}},
+            "Edge pixels are compared with neighbours along two axes, as "
+            "published, or along four directions");
         d.Number("model_px",
                  &tracker.model_px,
                  {0.0, 100.0},
@@ -67,14 +83,22 @@ void CorridorTrackerConfig::Describe(Describer& d) {
                  &tracker.pose.min_margin,
                  kNotNegative,
                  "by which it stands out from any other position");
+        d.Number("min_margin_one_wall",
+                 &tracker.pose.min_margin_one_wall,
+                 kNotNegative,
+                 "The same where the edges of one wall alone are seen");
+        d.Number("max_rms_one_wall_px",
+                 &tracker.pose.max_rms_one_wall_px,
+                 kPositive,
+                 "and how far those may lie from where they should be");
         d.Number("floor_missing",
                  &tracker.pose.evidence.floor_missing,
-                 kShare,
+                 kUncertain,
                  "Share of the floor's edges and skirting boards in view on "
                  "which no line is found");
         d.Number("ceiling_missing",
                  &tracker.pose.evidence.ceiling_missing,
-                 kShare,
+                 kUncertain,
                  "and of the ceiling's, often as bright as the wall");
         d.Number("reach_m",
                  &tracker.pose.evidence.reach_m,
@@ -116,6 +140,30 @@ void CorridorTrackerConfig::Describe(Describer& d) {
                  "rad");
       },
       "Regular, or faulty, given what was believed before");
+  d.Group(
+      "paper", [&] { DescribePaper(d); }, "Of method: paper");
+}
+
+void CorridorTrackerConfig::DescribePaper(Describer& d) {
+  PaperPoseOptions& paper = tracker.paper;
+  d.Integer("points_kept",
+            &paper_points_kept,
+            1,
+            10'000,
+            "Intersections left by the removal of the furthest");
+  d.Integer("candidates_kept",
+            &paper_candidates_kept,
+            1,
+            10'000,
+            "Lateral candidates left by it");
+  d.Flag("needs_both_walls",
+         &paper.lateral.needs_both_walls,
+         "Lines of one wall alone give no position");
+  d.Number("sigma_m", &paper.sigma_m, kPositive, "Error of every position");
+  d.Number("sigma_rad",
+           &paper.sigma_rad,
+           kPositive,
+           "and of every heading, 1 sigma");
 }
 
 void CorridorTrackerConfig::Check() const {
@@ -124,14 +172,28 @@ void CorridorTrackerConfig::Check() const {
                                 " must consist of A-Z, 0-9 and _");
   }
   if (corridors.empty()) {
-    throw std::invalid_argument("corridors: must name a file");
+    throw std::invalid_argument(
+        "corridors: must name a corridor file, or one that comes with Waymark");
   }
-  tracker.Check();
+  Options().Check();
+}
+
+CorridorTrackerOptions CorridorTrackerConfig::Options() const {
+  CorridorTrackerOptions options = tracker;
+  options.paper.vanishing.num_kept = static_cast<int>(paper_points_kept);
+  options.paper.lateral.num_kept = static_cast<int>(paper_candidates_kept);
+  return options;
 }
 
 void CorridorTrackerConfig::CheckFiles() const {
   (void)LoadCorridorFile(FindCorridorFile(corridors));
-  if (!calibration.empty()) (void)LoadCameraFile(FindCameraFile(calibration));
+  if (calibration.empty()) return;
+  const std::string file = FindCameraFile(calibration);
+  try {
+    CheckSeesAhead(LoadCameraFile(file).model);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(file + ": " + error.what());
+  }
 }
 
 }  // namespace waymark

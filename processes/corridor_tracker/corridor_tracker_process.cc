@@ -7,6 +7,7 @@
 #include "processes/support/channels.h"
 
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 namespace waymark {
@@ -42,6 +43,7 @@ CorridorTrackerProcess::CorridorTrackerProcess(const Config& config, Bus* bus)
       info_channel_(std::string(kCameraInfoPrefix) + config.camera),
       corridors_(LoadCorridorFile(FindCorridorFile(config.corridors))) {
   if (!config.calibration.empty()) {
+    config.CheckFiles();
     SetCamera(LoadCameraFile(FindCameraFile(config.calibration)));
   } else {
     bus->Subscribe<camera_info_t>(
@@ -60,10 +62,15 @@ CorridorTrackerProcess::CorridorTrackerProcess(const Config& config, Bus* bus)
 void CorridorTrackerProcess::OnInfo(const camera_info_t& message) {
   std::string reason;
   if (const auto camera = CameraFromMessage(message, &reason)) {
-    SetCamera(*camera);
-  } else {
-    bus_->ReportBad(info_channel_, Bad::kContent, reason);
+    try {
+      CheckSeesAhead(camera->model);
+      SetCamera(*camera);
+      return;
+    } catch (const std::invalid_argument& error) {
+      reason = error.what();
+    }
   }
+  bus_->ReportBad(info_channel_, Bad::kContent, reason);
 }
 
 void CorridorTrackerProcess::OnPose(const pose_t& message) {
@@ -78,13 +85,11 @@ void CorridorTrackerProcess::OnPose(const pose_t& message) {
 void CorridorTrackerProcess::SetCamera(const CameraDescription& camera) {
   // Said once a second; what it looks through is made anew when it changes.
   const bool is_same =
-      camera_ && tracker_ && camera.size == camera_->size &&
+      camera_ && camera.size == camera_->size &&
       KindOf(camera.model) == KindOf(camera_->model) &&
       ParametersOf(camera.model) == ParametersOf(camera_->model);
   camera_ = camera;
-  if (is_same) return;
-  tracker_ = std::make_unique<CorridorTracker>(
-      CameraView{camera.model, camera.size}, config_.tracker);
+  if (!is_same) tracker_.reset();
 }
 
 void CorridorTrackerProcess::OnImage(const image_t& message) {
@@ -108,13 +113,18 @@ void CorridorTrackerProcess::OnImage(const image_t& message) {
 CorridorEstimate CorridorTrackerProcess::EstimateOf(const cv::Mat1b& image,
                                                     const ImageTags& tags,
                                                     CorridorAnswer* answer) {
-  if (!tracker_) {
+  if (!camera_) {
     return None(CorridorStatus::kNoLines,
                 "no calibration of the camera yet: " + info_channel_);
   }
   if (image.cols != camera_->size.width || image.rows != camera_->size.height) {
     return None(CorridorStatus::kNoLines,
                 "the image is not of the calibration's size");
+  }
+  // Not before: an image's size is limited, a calibration's is not.
+  if (!tracker_) {
+    tracker_ = std::make_unique<CorridorTracker>(
+        CameraView{camera_->model, camera_->size}, config_.Options());
   }
   const Eigen::Isometry3d X_RC = MountingOf(*camera_, tags.head);
   answer->X_RS = PlanarMounting(X_RC);

@@ -51,7 +51,7 @@ class CorridorTrackerProcess {
   std::string info_channel_;
   std::vector<CorridorGeometry> corridors_;
   std::optional<CameraDescription> camera_;
-  std::unique_ptr<CorridorTracker> tracker_;  // Of camera_.
+  std::unique_ptr<CorridorTracker> tracker_;  // Of camera_, once it is used.
   PoseHistory history_;
   std::int64_t seq_ = 0;
 };

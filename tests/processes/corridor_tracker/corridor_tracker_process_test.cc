@@ -1,7 +1,9 @@
 #include "processes/corridor_tracker/corridor_tracker_process.h"
 
+#include "estimation/camera/panorama_camera.h"
 #include "estimation/geometry/angle.h"
 #include "estimation/geometry/pose3.h"
+#include "processes/convert/camera_convert.h"
 #include "processes/convert/corridor_file.h"
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
@@ -53,22 +55,30 @@ class CorridorTrackerProcessTest : public testing::Test {
     config_.calibration = "perspective";
   }
 
+  // `arrival`: when it comes; a clock that stepped tells another time.
   void PublishPose(Time time, const Pose2& X_WR) {
+    PublishPose(time, X_WR, bus_.now());
+  }
+
+  void PublishPose(Time time, const Pose2& X_WR, Time arrival) {
     PoseEstimate estimate;
     estimate.time = time;
     estimate.is_known = true;
     estimate.X_WR = X_WR;
     estimate.covariance = Eigen::Vector3d(0.04, 0.01, 0.0025).asDiagonal();
-    bus_.Publish(kPose, ToMessage(estimate, 0));
+    bus_.PublishAt(arrival, kPose, ToMessage(estimate, 0));
   }
 
   void PublishImage(Time time, const cv::Mat1b& image) {
+    PublishImage(time, image, time + std::chrono::milliseconds(60));
+  }
+
+  void PublishImage(Time time, const cv::Mat1b& image, Time arrival) {
     ImageEncoder encoder({.format = ImageFormat::kRaw, .is_gray = true});
     std::string reason;
     const auto message = encoder.Encode(image, {time, seq_++, {}}, &reason);
     ASSERT_TRUE(message) << reason;
-    bus_.PublishAt(
-        time + std::chrono::milliseconds(60), "IMAGE_FRONT", *message);
+    bus_.PublishAt(arrival, "IMAGE_FRONT", *message);
   }
 
   std::vector<corridor_pose_t> Run() {
@@ -128,6 +138,47 @@ TEST_F(CorridorTrackerProcessTest, SaysWhyNot) {
     EXPECT_EQ(answers[i].has_y, 0);
     EXPECT_FALSE(answers[i].reason.empty());
   }
+}
+
+// A panorama is no camera that looks ahead; maps for a huge one would not fit
+// into memory, and no image is of that size.
+TEST_F(CorridorTrackerProcessTest, BadCalibrationsAreCountedNotFatal) {
+  config_.calibration.clear();
+  CameraDescription panorama = camera_;
+  panorama.model = PanoramaCamera({160.0, 160.0, 319.5, 239.5});
+  CameraDescription huge = camera_;
+  huge.size = {20000, 20000};
+  bus_.Publish("CAMERA_INFO_FRONT", ToMessage(panorama, "FRONT", kStart, 0));
+  bus_.Publish("CAMERA_INFO_FRONT", ToMessage(huge, "FRONT", kStart, 1));
+  PublishPose(kStart, {4.0, 1.0, 0.0});
+  PublishImage(kStart, ImageOf(camera_, {4.0, 0.0, 0.0}));
+  const auto answers = Run();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_NE(answers[0].reason.find("size"), std::string::npos)
+      << answers[0].reason;
+}
+
+TEST_F(CorridorTrackerProcessTest, TakesTheCalibrationThatIsSaid) {
+  config_.calibration.clear();
+  bus_.Publish("CAMERA_INFO_FRONT", ToMessage(camera_, "FRONT", kStart, 0));
+  PublishPose(kStart, {4.0, 1.2, RadiansFromDegrees(-4.0)});
+  PublishImage(kStart, ImageOf(camera_, {4.0, 0.3, RadiansFromDegrees(-7.0)}));
+  const auto answers = Run();
+  ASSERT_EQ(answers.size(), 1u);
+  EXPECT_EQ(answers[0].status, "accepted") << answers[0].reason;
+  EXPECT_NEAR(answers[0].y_L, 0.3, 0.01);
+}
+
+TEST_F(CorridorTrackerProcessTest, AClockThatStepsBackLeavesItAnswering) {
+  using std::chrono::seconds;
+  const cv::Mat1b image = ImageOf(camera_, {4.0, 0.3, 0.0});
+  PublishPose(kStart + seconds(100), {4.0, 1.3, 0.0}, kStart);
+  PublishImage(kStart + seconds(100), image, kStart + seconds(1));
+  PublishPose(kStart, {4.0, 1.3, 0.0}, kStart + seconds(2));
+  PublishImage(kStart, image, kStart + seconds(3));
+  const auto answers = Run();
+  ASSERT_EQ(answers.size(), 2u);
+  for (const auto& answer : answers) EXPECT_EQ(answer.status, "accepted");
 }
 
 TEST_F(CorridorTrackerProcessTest, WaitsForTheCalibration) {
