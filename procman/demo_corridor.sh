@@ -10,13 +10,14 @@ session_name="demo corridor"
 source "$root/procman/session.sh"
 source "$root/procman/simulated_robot.sh"
 declare -A option=([task]=turns [length]=10 [world]=corridor_plain [corridors]=
-  [camera]=perspective [out]=$root/out/demo)
+  [corridor]= [camera]=perspective [out]=$root/out/demo)
 declare -A flag=([full]=0)
 
 usage() {
   cat <<TEXT
 usage: ./run demo corridor [--task NAME] [--full] [--length M] [--world NAME]
-                           [--corridors NAME] [--camera NAME] [--out FOLDER]
+                           [--corridors NAME] [--corridor NAME]
+                           [--camera NAME] [--out FOLDER]
 
 A simulated robot drives in a corridor, live over LCM: camera, wheels, sonar,
 corridor tracker, pose filter, recorder. It knows its wheels to 0.4 % and the
@@ -28,11 +29,16 @@ FOLDER/corridor.lcm is the recording.
   --task NAME       turns: there and back (turns)
                     zigzag: the same, 40 cm to either side all the way
                     blind: straight on for 14 m, 6 m with the lens covered
-  --full            as often as published: twice there and back; 12 m blind
+                    learn: a zig-zag of 16 m with wheels that it believes to be
+                    others: 11 % between right and left, 18.5 % of their base
+  --full            as often as published: twice there and back; 12 m blind;
+                    2,500 images to learn from
   --length M        how far there, of turns and zigzag (10)
   --world NAME      corridor_plain, corridor_office (furnished, with people) or
                     another that has a corridor (corridor_plain)
   --corridors NAME  where the corridors are: file or name (the world's name)
+  --corridor NAME   the one to drive in, of several; the robot starts where the
+                    world says, which must be in it (the file's first)
   --camera NAME     perspective, fisheye, mirror or a file (perspective)
   --out FOLDER      where everything goes (out/demo)
 TEXT
@@ -42,6 +48,7 @@ robot_options "$@"
 full=${flag[full]}
 corridors=${option[corridors]:-${option[world]}}
 settings=
+wheels="--set 'wheels.nominal_sigma=[4e-3, 4e-3, 4e-3]'"
 way=(--begin 2 --length "${option[length]}" --legs $((full ? 4 : 2)))
 case ${option[task]} in
   turns) ;;
@@ -52,8 +59,13 @@ case ${option[task]} in
     way=(--begin 2 --length $((full ? 15 : 14)) --legs 1)
     settings="--set 'camera.covered_way_m=[$((full ? 2 : 4)), $((full ? 14 : 10))]'"
     ;;
-  *) refuse "--task: '${option[task]}' is none of turns, zigzag, blind" ;;
+  learn)
+    way=(--begin 2 --length 16 --legs $((full ? 3 : 1)) --zigzag 0.4 --zigzag-step 2)
+    wheels="--set 'wheels.nominal=[1.05409e-4, 0.94868e-4, 0.22]' --set 'wheels.nominal_sigma=[0.2, 0.2, 0.2]'"
+    ;;
+  *) refuse "--task: '${option[task]}' is none of turns, zigzag, blind, learn" ;;
 esac
+[[ -z ${option[corridor]} ]] || way+=(--corridor "${option[corridor]}")
 robot_start
 "$bin/corridor_tracker" --check-config --set "corridors=$corridors" >/dev/null ||
   exit 2
@@ -67,7 +79,7 @@ settings+=" --set 'camera.gray=true'"
 # Wheels that differ from the nominal ones by what tyres do between two
 # calibrations; the filter allows for twice as much.
 settings+=" --set 'noise.right_wheel_factor=1.002' --set 'noise.left_wheel_factor=0.998' --set 'noise.wheel_base_factor=1.002'"
-robot_list "$settings" "--set 'wheels.nominal_sigma=[4e-3, 4e-3, 4e-3]'" \
+robot_list "$settings" "$wheels" \
   "corridor_tracker: '$bin/corridor_tracker' --lcm-url '$url' --set 'corridors=$corridors'" \
   >"$folder/list"
 robot_launch corridor_tracker

@@ -47,6 +47,13 @@ void CorridorWatch::OnTruth(const truth_t& message) {
 }
 
 void CorridorWatch::Compare(std::int64_t utime) {
+  // Time went back: what waits for its like will never meet it.
+  constexpr std::int64_t kMaxApartUs = 10'000'000;
+  if (!waiting_.empty() && waiting_.rbegin()->first - utime > kMaxApartUs) {
+    const Pair own = waiting_[utime];
+    waiting_.clear();
+    waiting_[utime] = own;
+  }
   const Pair pair = waiting_[utime];
   if (pair.estimated && pair.truth) {
     waiting_.erase(utime);

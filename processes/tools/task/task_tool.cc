@@ -57,6 +57,7 @@ struct TaskOptions {
   double timeout_s = 5.0;
   std::vector<std::string> places;
   std::string corridors;
+  std::string corridor;  // Of them; empty: the first.
   CorridorWayOptions way;
   double speed = 0.0;
   bool follow = false;
@@ -104,10 +105,21 @@ std::vector<Waypoint> PlacesOf(const TaskOptions& options) {
   return waypoints;
 }
 
-// In W, in the first corridor of the file.
+CorridorGeometry CorridorOf(const TaskOptions& options) {
+  const auto corridors = LoadCorridorFile(FindCorridorFile(options.corridors));
+  if (options.corridor.empty()) return corridors.front();
+  std::string known;
+  for (const CorridorGeometry& corridor : corridors) {
+    if (corridor.name == options.corridor) return corridor;
+    known += (known.empty() ? "" : ", ") + corridor.name;
+  }
+  throw InputError("--corridor: no '" + options.corridor + "' in " +
+                   options.corridors + ", which has " + known);
+}
+
+// In W.
 std::vector<Waypoint> CorridorWaypoints(const TaskOptions& options) {
-  const CorridorGeometry corridor =
-      LoadCorridorFile(FindCorridorFile(options.corridors)).front();
+  const CorridorGeometry corridor = CorridorOf(options);
   std::vector<Waypoint> waypoints;
   for (const Eigen::Vector2d& p_L : CorridorWay(options.way)) {
     waypoints.push_back({corridor.X_WL * p_L, {}});
@@ -344,6 +356,9 @@ void AddWayOptions(CLI::App* command, TaskOptions* options) {
                    options->corridors,
                    "Corridor file, or one that comes with Waymark")
       ->required();
+  command->add_option("--corridor",
+                      options->corridor,
+                      "Name of the one in the file (default: the first)");
   CorridorWayOptions* way = &options->way;
   const auto add =
       [&](const char* name, double* value, double from, const char* help) {
