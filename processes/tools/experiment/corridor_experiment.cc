@@ -121,10 +121,12 @@ RunResult CorridorExperiment::Run(std::uint64_t seed,
   }
   const CorridorErrors errors(
       corridor_.X_WL, blind, config_.relocate_m, run.bus());
-  const CorridorBound bound(corridor_.X_WL,
-                            config_.model.sigma_m,
-                            config_.model.sigma_rad,
-                            run.bus());
+  // As if all of an error were new in each image: no less is known then.
+  const CorridorBound bound(
+      corridor_.X_WL,
+      std::hypot(config_.model.sigma_m, config_.model.slow_sigma_m),
+      std::hypot(config_.model.sigma_rad, config_.model.slow_sigma_rad),
+      run.bus());
   Task message{kStart + std::chrono::milliseconds(500),
                "experiment",
                "waypoints",

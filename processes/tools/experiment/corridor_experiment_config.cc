@@ -117,6 +117,7 @@ void CorridorExperimentConfig::Check() const {
   CheckHasNoFile("path_follower.task_file", path_follower.task_file);
   CheckHasNoFile("collision_guard.stop_file", collision_guard.stop_file);
   pose_filter.Check();
+  corridor_tracker.Options().Check();
   collision_guard.Check();
   path_follower.Check();
   if (blind_way_m.size() == 2 && blind_way_m[0] > blind_way_m[1]) {
