@@ -20,7 +20,7 @@ namespace waymark {
 namespace {
 
 constexpr int kFrames = 50;       // A world.
-constexpr int kFullFrames = 250;  // 1000 in all.
+constexpr int kFullFrames = 250;  // 1250 in all.
 constexpr int kFaultFrames = 25;  // Each is answered five times.
 
 // ---- side by side ----------------------------------------------------------

@@ -17,7 +17,6 @@
 namespace waymark {
 namespace {
 
-const double kMaxHeading = RadiansFromDegrees(25.0);
 constexpr double kRobotRadius = 0.25;  // m.
 
 bool IsFree(const World& world,
@@ -42,16 +41,19 @@ CorridorPrior DrawPrior(const Pose2& X_LR,
                         Random* random) {
   CorridorPrior prior;
   prior.X_LR = X_LR;
+  prior.X_LR.x += random->Normal(errors.x);
   prior.X_LR.y += random->Normal(errors.y);
   prior.X_LR.heading = WrapAngle(X_LR.heading + random->Normal(errors.heading));
-  prior.covariance.diagonal() << errors.y * errors.y, errors.y * errors.y,
+  prior.covariance.diagonal() << errors.x * errors.x, errors.y * errors.y,
       errors.heading * errors.heading;
   return prior;
 }
 
 CorridorPoseFrames::CorridorPoseFrames(const std::string& world,
-                                       std::uint64_t seed)
+                                       std::uint64_t seed,
+                                       double max_heading)
     : world_(LoadWorldFile(FindWorldFile(world))),
+      max_heading_(max_heading),
       corridors_(LoadCorridorFile(FindCorridorFile(world))),
       camera_(LoadCameraFile(FindCameraFile("perspective"))),
       renderer_(BuildScene(world_)),
@@ -65,7 +67,7 @@ Pose2 CorridorPoseFrames::DrawPose(const CorridorGeometry& corridor) {
   const double side = 0.5 * corridor.width.value() - kRobotRadius - 0.05;
   X_LR.y = random_.Uniform(-side, side);
   const double turn = random_.Uniform() < 0.5 ? 0.0 : kPi;
-  X_LR.heading = WrapAngle(turn + random_.Uniform(-kMaxHeading, kMaxHeading));
+  X_LR.heading = WrapAngle(turn + random_.Uniform(-max_heading_, max_heading_));
   return X_LR;
 }
 

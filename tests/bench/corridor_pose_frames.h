@@ -37,6 +37,7 @@ inline constexpr std::array kCorridorWorlds = {
 
 // 1 sigma of what is believed before; the truth is drawn from it.
 struct PriorErrors {
+  double x = 0.15;  // m.
   double y = 0.15;  // m.
   double heading = RadiansFromDegrees(5.0);
 };
@@ -52,11 +53,14 @@ struct CorridorPoseFrame {
 };
 
 // One after the other, of one world: poses uniform over the corridor, turned by
-// up to 25 degrees from either direction, as far from ends, walls, furniture
-// and people as a robot stands; 640 x 480, f 457 px. Deterministic.
+// up to 25 degrees (or max_heading) from either direction, as far from ends,
+// walls, furniture and people as a robot stands; 640 x 480, f 457 px.
+// Deterministic.
 class CorridorPoseFrames {
  public:
-  CorridorPoseFrames(const std::string& world, std::uint64_t seed);
+  CorridorPoseFrames(const std::string& world,
+                     std::uint64_t seed,
+                     double max_heading = RadiansFromDegrees(25.0));
 
   [[nodiscard]] CorridorPoseFrame Next();
 
@@ -66,6 +70,7 @@ class CorridorPoseFrames {
   [[nodiscard]] Pose2 DrawPose(const CorridorGeometry& corridor);
 
   World world_;
+  double max_heading_;
   std::vector<CorridorGeometry> corridors_;
   std::size_t next_ = 0;  // Of corridors_.
   CameraDescription camera_;

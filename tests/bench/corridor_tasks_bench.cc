@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -91,6 +92,28 @@ BenchRow TouchesRow(const std::string& id,
                   sweep.summary.num_touches == 0);
 }
 
+// Errors of a robot that stopped on the way say little.
+BenchRow DoneRow(const std::string& id,
+                 const std::string& task,
+                 const BenchSweep& sweep) {
+  std::int64_t num_done = sweep.summary.num_runs;
+  for (const auto& [reason, num] : sweep.summary.reasons) {
+    // What a robot that arrived can have done wrong.
+    if (reason != "touched" && reason != "lateral error" &&
+        reason != "heading error") {
+      num_done -= num;
+    }
+  }
+  return WithGoal(SweepRow(id,
+                           task + ": runs that arrived",
+                           100.0 * static_cast<double>(num_done) /
+                               static_cast<double>(sweep.summary.num_runs),
+                           "%",
+                           sweep),
+                  "100",
+                  num_done == sweep.summary.num_runs);
+}
+
 BenchRow SigmasRow(const std::string& id,
                    const std::string& task,
                    const BenchSweep& sweep) {
@@ -108,6 +131,7 @@ std::vector<BenchRow> AcrossRows(const std::string& id,
   const double max_deg = Worst(sweep, "max_heading_deg");
   const double rms_deg = Rms(sweep, "rms_heading_deg");
   std::vector<BenchRow> rows;
+  rows.push_back(DoneRow(id, task, sweep));
   rows.push_back(Published(
       SweepRow(
           id, task + ": lateral error, largest", 100.0 * max_m, "cm", sweep),
@@ -146,6 +170,7 @@ std::vector<BenchRow> BenchTurns(bool full) {
   const Sight people = AmongPeople(full);
   const BenchSweep sweep = RunTask("turns", {"task=turns"}, people);
   const std::string task = "10 m, four times, " + people.name;
+  rows.push_back(DoneRow("Y19", task, sweep));
   rows.push_back(SweepRow("Y19",
                           task + ": lateral error, largest",
                           100.0 * Worst(sweep, "max_y_m"),
@@ -175,12 +200,16 @@ std::vector<BenchRow> BenchZigzag(bool full) {
 
 std::vector<BenchRow> BlindRows(const std::string& of,
                                 const BenchSweep& sweep) {
+  // Half the width of corridor_plain without the robot's radius.
+  constexpr double kRoomM = 1.0 - 0.17;
   std::vector<BenchRow> rows;
-  rows.push_back(SweepRow("Y21",
-                          of + ": farthest off the axis",
-                          100.0 * Worst(sweep, "max_offset_m"),
-                          "cm",
-                          sweep));
+  rows.push_back(DoneRow("Y21", of, sweep));
+  const double offset = Worst(sweep, "max_offset_m");
+  rows.push_back(WithGoal(
+      SweepRow(
+          "Y21", of + ": farthest off the axis", 100.0 * offset, "cm", sweep),
+      "<= 83",
+      offset <= kRoomM));
   const double relocated = Worst(sweep, "relocated_m");
   rows.push_back(Published(SweepRow("Y21",
                                     of + ": sight until within 3 cm, longest",
@@ -213,6 +242,7 @@ std::vector<BenchRow> LearnRows(const std::string& sight,
                                 bool is_model,
                                 const BenchSweep& sweep) {
   std::vector<BenchRow> rows;
+  rows.push_back(DoneRow("Y23", "wrong wheels, " + sight, sweep));
   for (const auto& [name, key] : {std::pair("ratio of the wheels", "ratio"),
                                   std::pair("wheel base", "base")}) {
     const std::string of = std::string(name) + ", " + sight;

@@ -58,13 +58,20 @@ double AngleBeside(const Eigen::Vector2d& pixel,
   return std::asin(normal.dot(ray_R));
 }
 
-// What each edge was seen in, and how far beside it that lies in truth.
+// What each edge was seen in, and how far beside it that lies in truth; and
+// what of that explains the error.
 std::string SupportOf(const CorridorPoseFrame& frame,
                       const CorridorEstimate& found,
                       const CorridorGeometry& corridor,
                       const CameraDescription& camera) {
   constexpr double kPixelsOfRadian = 457.0;  // Of the frames' lens.
+  // A line farther beside its edge is another thing's: a gap, a shadow, a thing
+  // that stands along the wall.
+  constexpr double kOtherPx = 1.0;
   std::string text;
+  std::string why;
+  double most_beside = kOtherPx;
+  double seen_px = 0.0;
   for (const CorridorEdge edge : kCorridorEdges) {
     const auto place = PlaceOf(edge, corridor);
     if (!place) continue;
@@ -82,6 +89,15 @@ std::string SupportOf(const CorridorPoseFrame& frame,
       if (std::abs(beside) > std::abs(farthest)) farthest = beside;
     }
     if (num == 0) continue;
+    seen_px += length;
+    if (std::abs(farthest) > most_beside) {
+      most_beside = std::abs(farthest);
+      why = fmt::format(
+          "Why: what was taken for {} lies {:.1f} px beside it, and is another "
+          "line",
+          NameOf(edge),
+          most_beside);
+    }
     text += fmt::format("{}{}: {} lines, {:.0f} px, up to {:.1f} px beside it",
                         text.empty() ? "" : "; ",
                         NameOf(edge),
@@ -89,7 +105,14 @@ std::string SupportOf(const CorridorPoseFrame& frame,
                         length,
                         std::abs(farthest));
   }
-  return text;
+  if (why.empty()) {
+    why = fmt::format(
+        "Why: all lines are those of the edges, but {:.0f} px of them say "
+        "little "
+        "about where, and their small errors much",
+        seen_px);
+  }
+  return why + ". Seen: " + text;
 }
 
 }  // namespace

@@ -24,6 +24,9 @@ using Eigen::Vector2d;
 constexpr double kMatchPx = 1.5;
 constexpr double kMatchRad = 0.01745;
 constexpr double kEdgePx = 20.0;
+// So near to an edge a segment is meant to be that edge.
+constexpr double kNearPx = 6.0;
+constexpr double kNearRad = 0.0873;
 constexpr double kPrecision = 0.9;
 
 cv::Mat1b GreyWithNoise(const cv::Mat3b& image, Random* random) {
@@ -53,17 +56,21 @@ struct Match {
   double end = 0.0;
 };
 
-bool Matches(const FoundSegment& s, const TrueEdge& e, Match* match) {
+bool Matches(const FoundSegment& s,
+             const TrueEdge& e,
+             double max_px,
+             double max_rad,
+             Match* match) {
   const Vector2d d = (e.b - e.a).normalized();
   const Vector2d t = s.b - s.a;
   const double length = t.norm();
-  if (std::abs(d.x() * t.y() - d.y() * t.x()) > std::sin(kMatchRad) * length) {
+  if (std::abs(d.x() * t.y() - d.y() * t.x()) > std::sin(max_rad) * length) {
     return false;
   }
   const auto across = [&](const Vector2d& p) {
     return d.x() * (p.y() - e.a.y()) - d.y() * (p.x() - e.a.x());
   };
-  if (std::abs(across(s.a)) > kMatchPx || std::abs(across(s.b)) > kMatchPx) {
+  if (std::abs(across(s.a)) > max_px || std::abs(across(s.b)) > max_px) {
     return false;
   }
   const double first = d.dot(s.a - e.a);
@@ -72,6 +79,42 @@ bool Matches(const FoundSegment& s, const TrueEdge& e, Match* match) {
   match->end = std::min((e.b - e.a).norm(), std::max(first, second));
   match->offset = across(0.5 * (s.a + s.b));
   return match->end - match->begin >= 0.5 * length;
+}
+
+// Whether all of a segment lies on drawn surfaces.
+bool IsDrawn(const cv::Mat1b& drawn, const FoundSegment& s) {
+  if (drawn.empty()) return false;
+  const int num = static_cast<int>((s.b - s.a).norm()) + 1;
+  for (int i = 0; i <= num; ++i) {
+    const Vector2d p = s.a + static_cast<double>(i) / num * (s.b - s.a);
+    const int x = static_cast<int>(std::lround(p.x()));
+    const int y = static_cast<int>(std::lround(p.y()));
+    if (drawn(std::clamp(y, 0, drawn.rows - 1),
+              std::clamp(x, 0, drawn.cols - 1)) == 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// 255 where a surface with a texture is seen.
+cv::Mat1b DrawnOf(const Scene& scene, const cv::Mat1i& surface) {
+  std::vector<char> is_drawn(scene.surfaces.size(), 0);
+  for (const SceneTriangle& triangle : scene.mesh.triangles) {
+    if (scene.materials[triangle.material].texture.total() > 1) {
+      is_drawn[triangle.surface] = 1;
+    }
+  }
+  cv::Mat1b drawn(surface.size(), 0);
+  for (int y = 0; y < surface.rows; ++y) {
+    for (int x = 0; x < surface.cols; ++x) {
+      const int id = surface(y, x);
+      if (id >= 0 && is_drawn[static_cast<std::size_t>(id)] != 0) {
+        drawn(y, x) = 255;
+      }
+    }
+  }
+  return drawn;
 }
 
 double Median(std::vector<double> values) {
@@ -131,11 +174,14 @@ double CoveredBy(std::vector<Cover> covers, double threshold) {
 
 }  // namespace
 
-std::vector<LineFrame> RenderedLineFrames(int num_per_world) {
+std::vector<LineFrame> RenderedLineFrames(int num_per_world, FrameLooks looks) {
+  const bool is_plain = looks == FrameLooks::kPlain;
+  const std::string first = is_plain ? "corridor_plain" : "corridor_textured";
   std::vector<LineFrame> frames;
-  for (const std::string name : {"corridor_plain", "corridor_office"}) {
+  for (const std::string& name : {first, std::string("corridor_office")}) {
+    const World world = LoadWorldFile(FindWorldFile(name));
     const Scene scene =
-        BuildScene(LoadWorldFile(FindWorldFile(name)), SceneLooks::kPlain);
+        is_plain ? BuildScene(world, SceneLooks::kPlain) : BuildScene(world);
     const Renderer renderer(scene);
     const SceneEdges edges(scene);
     const CameraView view{PerspectiveCamera({400.0, 400.0, 319.5, 239.5}),
@@ -151,8 +197,11 @@ std::vector<LineFrame> RenderedLineFrames(int num_per_world) {
           LevelPose({x, y, 0.6}, random.Uniform(-0.44, 0.44));
       LineFrame frame;
       frame.name = name + " " + std::to_string(i);
-      frame.image =
-          GreyWithNoise(renderer.Render(rays, X_WC, X_WP).image, &random);
+      RenderOptions render;
+      render.surface = !is_plain;
+      const RenderedView seen = renderer.Render(rays, X_WC, X_WP, render);
+      frame.image = GreyWithNoise(seen.image, &random);
+      if (!is_plain) frame.drawn = DrawnOf(scene, seen.surface);
       for (const VisibleEdge& edge :
            edges.Find(renderer.caster(), view, X_WC, X_WP)) {
         frame.edges.push_back({edge.pixels.front(), edge.pixels.back()});
@@ -251,6 +300,7 @@ LineScore ScoreSegments(const std::vector<LineFrame>& frames,
   std::vector<double> edge_px;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     std::vector<char> is_match(found[f].size(), 0);
+    std::vector<char> is_near(found[f].size(), 0);
     std::vector<double> least(found[f].size(), 0.0);
     std::vector<double> strength;
     for (const FoundSegment& s : found[f]) {
@@ -262,7 +312,10 @@ LineScore ScoreSegments(const std::vector<LineFrame>& frames,
       for (std::size_t i = 0; i < found[f].size(); ++i) {
         const FoundSegment& s = found[f][i];
         Match match;
-        if (!Matches(s, edge, &match)) continue;
+        if (!Matches(s, edge, kMatchPx, kMatchRad, &match)) {
+          is_near[i] |= Matches(s, edge, kNearPx, kNearRad, &match);
+          continue;
+        }
         // Two edges may lie side by side: the nearer one is meant.
         if (!is_match[i] || std::abs(match.offset) < least[i]) {
           least[i] = std::abs(match.offset);
@@ -275,6 +328,10 @@ LineScore ScoreSegments(const std::vector<LineFrame>& frames,
       edge_px.push_back(length);
     }
     for (std::size_t i = 0; i < found[f].size(); ++i) {
+      if (is_match[i] == 0 && is_near[i] == 0 &&
+          IsDrawn(frames[f].drawn, found[f][i])) {
+        continue;
+      }
       segments.push_back(
           {strength[i], is_match[i] != 0, least[i], found[f][i].sigma_px});
     }

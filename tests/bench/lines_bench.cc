@@ -12,11 +12,13 @@
 #include <opencv2/ximgproc/fast_line_detector.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -186,46 +188,38 @@ std::vector<BenchRow> BenchEdges(bool full) {
   return rows;
 }
 
-// How well lines, of whatever length, lie on the exact edges of 20 px or more:
-// of each edge the nearest that passes both its ends within 1.5 px.
-struct LineAccuracy {
-  double median_offset_px = 0.0;  // At the edge's middle.
-  double median_far_px = 0.0;     // At the end where it is farther.
-  std::int64_t num_edges = 0;     // That have one.
+// How well lines, of whatever length, lie on an exact edge: of those that pass
+// both its ends within 1.5 px the nearest.
+struct EdgeOffset {
+  double middle_px = 0.0;  // Of the edge from the line,
+  double far_px = 0.0;     // and of the end where it is farther.
 };
 
-LineAccuracy AccuracyOf(const std::vector<LineFrame>& frames,
-                        const std::vector<std::vector<FoundSegment>>& found) {
-  std::vector<double> offsets;
-  std::vector<double> far_ends;
+// Of each edge of 20 px or more, in order; nullopt where no line is near.
+std::vector<std::optional<EdgeOffset>> OffsetsOf(
+    const std::vector<LineFrame>& frames,
+    const std::vector<std::vector<FoundSegment>>& found) {
+  std::vector<std::optional<EdgeOffset>> offsets;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     for (const TrueEdge& edge : frames[f].edges) {
-      const Eigen::Vector2d way = edge.b - edge.a;
-      if (way.norm() < 20.0) continue;
-      double least = 1.5;
-      double far_end = 0.0;
-      bool is_found = false;
+      if ((edge.b - edge.a).norm() < 20.0) continue;
+      std::optional<EdgeOffset> nearest;
       for (const FoundSegment& line : found[f]) {
         const Eigen::Vector2d d = (line.b - line.a).normalized();
         const Eigen::Vector2d n(-d.y(), d.x());
         const double at_a = n.dot(edge.a - line.a);
         const double at_b = n.dot(edge.b - line.a);
-        if (std::max(std::abs(at_a), std::abs(at_b)) > 1.5) continue;
-        const double offset = 0.5 * std::abs(at_a + at_b);
-        if (offset > least) continue;
-        least = offset;
-        far_end = std::max(std::abs(at_a), std::abs(at_b));
-        is_found = true;
+        const double far_px = std::max(std::abs(at_a), std::abs(at_b));
+        const double middle_px = 0.5 * std::abs(at_a + at_b);
+        if (far_px > 1.5 || (nearest && middle_px > nearest->middle_px)) {
+          continue;
+        }
+        nearest = EdgeOffset{middle_px, far_px};
       }
-      if (!is_found) continue;
-      offsets.push_back(least);
-      far_ends.push_back(far_end);
+      offsets.push_back(nearest);
     }
   }
-  if (offsets.empty()) return {};
-  return {Median(offsets),
-          Median(far_ends),
-          static_cast<std::int64_t>(offsets.size())};
+  return offsets;
 }
 
 // The whole of each line of cv::HoughLines.
@@ -255,26 +249,57 @@ std::vector<BenchRow> AccuracyRows(const std::vector<LineFrame>& rendered,
     cv::HoughLines(map, lines, 1.0, CV_PI / 180.0, 120);
     theirs.push_back(WholeLines(lines));
   }
-  const LineAccuracy our = AccuracyOf(rendered, ours);
-  const LineAccuracy their = AccuracyOf(rendered, theirs);
-  BenchRow row;
-  row.id = "Y4";
-  row.name = "8x8 words: offset of exact edges from their line, median";
-  row.value = our.median_offset_px;
-  row.unit = "px";
-  row.peer = "cv::HoughLines 1 px 1 degree";
-  row.peer_value = their.median_offset_px;
-  row.ratio = their.median_offset_px / std::max(1e-9, our.median_offset_px);
-  row.goal = "no worse";
-  row.holds = our.median_offset_px <= their.median_offset_px;
-  row.runs = our.num_edges;
-  BenchRow end = row;
-  end.name = "8x8 words: the same at the edge's farther end, median";
-  end.value = our.median_far_px;
-  end.peer_value = their.median_far_px;
-  end.ratio = their.median_far_px / std::max(1e-9, our.median_far_px);
-  end.holds = our.median_far_px <= their.median_far_px;
-  return {row, end};
+  const auto our = OffsetsOf(rendered, ours);
+  const auto their = OffsetsOf(rendered, theirs);
+  // Short edges are harder: only those count that both found.
+  std::array<std::vector<double>, 2> middle;
+  std::array<std::vector<double>, 2> far_end;
+  std::int64_t num_ours = 0;
+  std::int64_t num_theirs = 0;
+  for (std::size_t i = 0; i < our.size(); ++i) {
+    num_ours += our[i] ? 1 : 0;
+    num_theirs += their[i] ? 1 : 0;
+    if (!our[i] || !their[i]) continue;
+    middle[0].push_back(our[i]->middle_px);
+    middle[1].push_back(their[i]->middle_px);
+    far_end[0].push_back(our[i]->far_px);
+    far_end[1].push_back(their[i]->far_px);
+  }
+  const auto row_of = [](const std::string& name, double ours_px, double peer) {
+    BenchRow row;
+    row.id = "Y4";
+    row.name = "8x8 words: " + name;
+    row.value = ours_px;
+    row.unit = "px";
+    row.peer = "cv::HoughLines 1 px 1 degree";
+    row.peer_value = peer;
+    row.ratio = peer / std::max(1e-9, ours_px);
+    row.goal = "no worse";
+    row.holds = ours_px <= peer;
+    return row;
+  };
+  std::vector<BenchRow> rows;
+  if (!middle[0].empty()) {
+    rows.push_back(row_of("offset from exact edges that both found, median",
+                          Median(middle[0]),
+                          Median(middle[1])));
+    rows.push_back(row_of("the same at the edge's farther end, median",
+                          Median(far_end[0]),
+                          Median(far_end[1])));
+    for (BenchRow& row : rows) {
+      row.runs = static_cast<std::int64_t>(middle[0].size());
+    }
+  }
+  BenchRow count = row_of("exact edges found",
+                          static_cast<double>(num_ours),
+                          static_cast<double>(num_theirs));
+  count.unit = "";
+  count.ratio = count.value / std::max(1.0, *count.peer_value);
+  count.goal.clear();
+  count.holds.reset();
+  count.runs = static_cast<std::int64_t>(our.size());
+  rows.push_back(count);
+  return rows;
 }
 
 // ---- Y2, Y4: segments of an edge map ---------------------------------------
@@ -363,13 +388,60 @@ std::vector<FoundSegment> FoundFrom(const std::vector<cv::Vec4f>& lines) {
   return found;
 }
 
+struct NamedScore {
+  std::string name;
+  LineScore score;
+};
+
+// Recall and offset of the first two, ours, beside each of the others.
+std::vector<BenchRow> ScoreRows(const std::string& worlds,
+                                const std::vector<NamedScore>& scores,
+                                std::size_t num_frames) {
+  std::vector<BenchRow> rows;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto& [name, ours] = scores[i];
+    for (std::size_t k = 2; k < scores.size(); ++k) {
+      const auto& [peer, theirs] = scores[k];
+      BenchRow recall;
+      recall.id = "Y4-grey";
+      recall.name = "recall, " + worlds + ", " + name;
+      recall.value = ours.recall;
+      recall.unit =
+          "at precision " + std::to_string(ours.precision).substr(0, 4);
+      recall.peer =
+          peer + " at " + std::to_string(theirs.precision).substr(0, 4);
+      recall.peer_value = theirs.recall;
+      recall.ratio = recall.value / std::max(1e-9, theirs.recall);
+      recall.goal = "higher";
+      recall.holds = *recall.ratio > 1.0;
+      recall.runs = static_cast<std::int64_t>(num_frames);
+      rows.push_back(recall);
+      BenchRow offset = recall;
+      offset.name = "offset, median, " + worlds + ", " + name;
+      offset.value = ours.median_offset_px;
+      offset.unit = "px";
+      offset.peer = peer;
+      offset.peer_value = theirs.median_offset_px;
+      offset.ratio = *offset.peer_value / std::max(1e-9, offset.value);
+      offset.goal = "<= 0.15 px";
+      offset.holds = offset.value <= 0.15;
+      rows.push_back(offset);
+    }
+    BenchRow sigma;
+    sigma.id = "Y4-grey";
+    sigma.name = "offset over its sigma, median, " + worlds + ", " + name;
+    sigma.value = ours.median_ratio;
+    sigma.unit = "sigma";
+    sigma.goal = "0.67 of a normal error";
+    sigma.runs = static_cast<std::int64_t>(num_frames);
+    rows.push_back(sigma);
+  }
+  return rows;
+}
+
 std::vector<BenchRow> BenchGrey(bool full) {
   cv::setNumThreads(1);
   const std::vector<LineFrame> frames = AllFrames(full);
-  std::vector<LineFrame> rendered;
-  for (const LineFrame& frame : frames) {
-    if (!frame.edges.empty()) rendered.push_back(frame);
-  }
   LineExtractorOptions tile_options;
   tile_options.scheme = LineScheme::kSegmentedHough;
   LineExtractor chains;
@@ -406,12 +478,10 @@ std::vector<BenchRow> BenchGrey(bool full) {
          return FoundFrom(lines);
        }}};
   std::vector<Contender> contenders;
-  std::vector<LineScore> scores;
   for (const Method& method : methods) {
     contenders.push_back({method.name, [&method](const LineFrame& frame) {
                             (void)method.find(frame.image);
                           }});
-    scores.push_back(ScoreSegments(rendered, FindAll(rendered, method.find)));
   }
   Race(frames, full ? 5 : 2, &contenders);
   std::vector<BenchRow> rows;
@@ -424,39 +494,23 @@ std::vector<BenchRow> BenchGrey(bool full) {
       time.goal = "faster";
       time.holds = *time.ratio > 1.0;
       rows.push_back(time);
-      BenchRow recall;
-      recall.id = "Y4-grey";
-      recall.name = "recall, " + methods[ours].name;
-      recall.value = scores[ours].recall;
-      recall.unit =
-          "at precision " + std::to_string(scores[ours].precision).substr(0, 4);
-      recall.peer = methods[peer].name + " at " +
-                    std::to_string(scores[peer].precision).substr(0, 4);
-      recall.peer_value = scores[peer].recall;
-      recall.ratio = recall.value / std::max(1e-9, scores[peer].recall);
-      recall.goal = "higher";
-      recall.holds = *recall.ratio > 1.0;
-      recall.runs = static_cast<std::int64_t>(rendered.size());
-      rows.push_back(recall);
-      BenchRow offset = recall;
-      offset.name = "offset, median, " + methods[ours].name;
-      offset.value = scores[ours].median_offset_px;
-      offset.unit = "px";
-      offset.peer = methods[peer].name;
-      offset.peer_value = scores[peer].median_offset_px;
-      offset.ratio = *offset.peer_value / std::max(1e-9, offset.value);
-      offset.goal = "<= 0.15 px";
-      offset.holds = offset.value <= 0.15;
-      rows.push_back(offset);
     }
-    BenchRow sigma;
-    sigma.id = "Y4-grey";
-    sigma.name = "offset over its sigma, median, " + methods[ours].name;
-    sigma.value = scores[ours].median_ratio;
-    sigma.unit = "sigma";
-    sigma.goal = "0.67 of a normal error";
-    sigma.runs = static_cast<std::int64_t>(rendered.size());
-    rows.push_back(sigma);
+  }
+  for (const FrameLooks looks : {FrameLooks::kPlain, FrameLooks::kDrawn}) {
+    const std::vector<LineFrame> rendered =
+        RenderedLineFrames(full ? 40 : 10, looks);
+    std::vector<NamedScore> scores;
+    for (const Method& method : methods) {
+      scores.push_back(
+          {method.name,
+           ScoreSegments(rendered, FindAll(rendered, method.find))});
+    }
+    for (BenchRow& row : ScoreRows(
+             looks == FrameLooks::kPlain ? "plain worlds" : "drawn worlds",
+             scores,
+             rendered.size())) {
+      rows.push_back(std::move(row));
+    }
   }
   return rows;
 }
