@@ -33,12 +33,13 @@ FOLDER/corridor.lcm is the recording.
                     others: 11 % between right and left, 18.5 % of their base
   --full            as often as published: twice there and back; 12 m blind;
                     2,500 images to learn from
-  --length M        how far there, of turns and zigzag (10)
+  --length M        of each way, of turns and zigzag, from 2 m behind the
+                    corridor's beginning on (10)
   --world NAME      corridor_plain, corridor_office (furnished, with people) or
                     another that has a corridor (corridor_plain)
   --corridors NAME  where the corridors are: file or name (the world's name)
   --corridor NAME   the one to drive in, of several; the robot starts where the
-                    world says, which must be in it (the file's first)
+                    world says, which must be in it (the one with the start)
   --camera NAME     perspective, fisheye, mirror or a file (perspective)
   --out FOLDER      where everything goes (out/demo)
 TEXT
@@ -66,9 +67,17 @@ case ${option[task]} in
   *) refuse "--task: '${option[task]}' is none of turns, zigzag, blind, learn" ;;
 esac
 [[ -z ${option[corridor]} ]] || way+=(--corridor "${option[corridor]}")
+case ${option[task]} in
+  blind | learn)
+    [[ " $* " != *" --length "* ]] ||
+      refuse "--length: not of the task ${option[task]}, whose way is given" ;;
+esac
 robot_start
 "$bin/corridor_tracker" --check-config --set "corridors=$corridors" >/dev/null ||
   exit 2
+
+way+=(--start "$x,$y")
+"$bin/waymark-task" corridor "$corridors" "${way[@]}" --check || exit 2
 
 # ---- processes -------------------------------------------------------------
 
@@ -96,5 +105,12 @@ robot_end "$status" || status=$?
 say ""
 robot_camera_line
 robot_report
+if [[ ${option[task]} == learn ]]; then
+  # In the units of the table: of the ticks 100 um, of the base 270 mm.
+  say ""
+  say "wheels believed at first: 105.41 and 94.87 um/tick, base 220.00 mm"
+  say "                   truth: 100.20 and 99.80 um/tick, base 270.54 mm"
+  "$bin/waymark-log" evaluate "$log" | grep -A 1 "parameters  "
+fi
 robot_files
 exit "$status"

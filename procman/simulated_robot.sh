@@ -44,6 +44,8 @@ robot_start() {
   start=$(awk '$1 == "start" {print $NF; exit}' <<<"$world_info")
   [[ -n $start ]] || refuse "${option[world]} has no start for a robot"
   IFS=, read -r x y heading <<<"$start"
+  "$bin/simulator" --check-config --set "world=${option[world]}" \
+    --set "camera.file=${option[camera]}" >/dev/null || exit 2
 }
 
 # robot_begin NAME [ARGUMENTS...] of the script: enters a network, makes the

@@ -6,6 +6,8 @@
 #include "processes/convert/odometry_convert.h"
 #include "processes/support/channels.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -42,6 +44,11 @@ CorridorTrackerProcess::CorridorTrackerProcess(const Config& config, Bus* bus)
       image_channel_(std::string(kImagePrefix) + config.camera),
       info_channel_(std::string(kCameraInfoPrefix) + config.camera),
       corridors_(LoadCorridorFile(FindCorridorFile(config.corridors))) {
+  std::string names;
+  for (const CorridorGeometry& corridor : corridors_) {
+    names += (names.empty() ? "" : ", ") + corridor.name;
+  }
+  spdlog::info("corridors of {}: {}", config.corridors, names);
   if (!config.calibration.empty()) {
     config.CheckFiles();
     SetCamera(LoadCameraFile(FindCameraFile(config.calibration)));

@@ -4,6 +4,8 @@
 #include "processes/tools/experiment/results_file.h"
 #include "processes/tools/experiment/sweep.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -110,7 +112,13 @@ BenchSweep RunSeedsInParts(Experiment* experiment,
   options.num_jobs =
       std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   ResultsFile file(FileOf(name, subject), name, subject);
-  std::fprintf(stderr, "%s: %d runs\n", name.c_str(), num_seeds);
+  // Of the runs progress says enough.
+  spdlog::set_level(spdlog::level::warn);
+  std::fprintf(stderr,
+               "%s: %d runs, %zu of them kept from before\n",
+               name.c_str(),
+               num_seeds,
+               file.results().size());
   const SweepReport report = RunSweep(*experiment, options, &file);
   if (!report.is_complete) {
     throw std::runtime_error("interrupted; the same command goes on");

@@ -20,6 +20,7 @@
 #include <waymark/velocity_t.hpp>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <lcm/lcm-cpp.hpp>
 
 #include <algorithm>
@@ -57,7 +58,9 @@ struct TaskOptions {
   double timeout_s = 5.0;
   std::vector<std::string> places;
   std::string corridors;
-  std::string corridor;  // Of them; empty: the first.
+  std::string corridor;  // Of them; empty: by `start`, or the first.
+  std::string start;     // Where the robot stands; empty: anywhere.
+  bool check = false;
   CorridorWayOptions way;
   double speed = 0.0;
   bool follow = false;
@@ -105,21 +108,69 @@ std::vector<Waypoint> PlacesOf(const TaskOptions& options) {
   return waypoints;
 }
 
+bool IsIn(const CorridorGeometry& corridor, const Eigen::Vector2d& p_W) {
+  const Eigen::Vector2d p_L = Inverse(corridor.X_WL) * p_W;
+  return p_L.x() >= corridor.x_min && p_L.x() <= corridor.x_max &&
+         (!corridor.width || std::abs(p_L.y()) <= 0.5 * *corridor.width);
+}
+
 CorridorGeometry CorridorOf(const TaskOptions& options) {
-  const auto corridors = LoadCorridorFile(FindCorridorFile(options.corridors));
-  if (options.corridor.empty()) return corridors.front();
+  std::vector<CorridorGeometry> corridors =
+      LoadCorridorFile(FindCorridorFile(options.corridors));
   std::string known;
   for (const CorridorGeometry& corridor : corridors) {
-    if (corridor.name == options.corridor) return corridor;
     known += (known.empty() ? "" : ", ") + corridor.name;
   }
-  throw InputError("--corridor: no '" + options.corridor + "' in " +
-                   options.corridors + ", which has " + known);
+  if (!options.corridor.empty()) {
+    std::erase_if(corridors, [&](const CorridorGeometry& corridor) {
+      return corridor.name != options.corridor;
+    });
+    if (corridors.empty()) {
+      throw InputError("--corridor: no '" + options.corridor + "' in " +
+                       options.corridors + ", which has " + known);
+    }
+  }
+  if (!options.start.empty()) {
+    const Eigen::Vector2d start = WaypointFromText(options.start).p_W;
+    std::erase_if(corridors, [&](const CorridorGeometry& corridor) {
+      return !IsIn(corridor, start);
+    });
+    if (corridors.empty()) {
+      throw InputError(
+          "--start: the robot at " + options.start + " is not in " +
+          (options.corridor.empty() ? "any of " + known : options.corridor));
+    }
+  }
+  return corridors.front();
+}
+
+// Throws InputError where the way leaves the corridor.
+void CheckWay(const CorridorWayOptions& way, const CorridorGeometry& corridor) {
+  const double end = way.begin + way.length;
+  if (way.begin < corridor.x_min || end > corridor.x_max) {
+    throw InputError(fmt::format(
+        "--begin, --length: the way is from {:g} to {:g} m, {} from {:g} to "
+        "{:g}",
+        way.begin,
+        end,
+        corridor.name,
+        corridor.x_min,
+        corridor.x_max));
+  }
+  if (corridor.width && way.zigzag >= 0.5 * *corridor.width) {
+    throw InputError(
+        fmt::format("--zigzag: {:g} m to both sides, {} is {:g} m "
+                    "wide",
+                    way.zigzag,
+                    corridor.name,
+                    *corridor.width));
+  }
 }
 
 // In W.
 std::vector<Waypoint> CorridorWaypoints(const TaskOptions& options) {
   const CorridorGeometry corridor = CorridorOf(options);
+  CheckWay(options.way, corridor);
   std::vector<Waypoint> waypoints;
   for (const Eigen::Vector2d& p_L : CorridorWay(options.way)) {
     waypoints.push_back({corridor.X_WL * p_L, {}});
@@ -358,7 +409,13 @@ void AddWayOptions(CLI::App* command, TaskOptions* options) {
       ->required();
   command->add_option("--corridor",
                       options->corridor,
-                      "Name of the one in the file (default: the first)");
+                      "Name of the one in the file (default: the one with "
+                      "--start, or the first)");
+  command->add_option("--start",
+                      options->start,
+                      "X,Y in m: where the robot stands, which must be in it");
+  command->add_flag(
+      "--check", options->check, "Say whether that can be driven, and end");
   CorridorWayOptions* way = &options->way;
   const auto add =
       [&](const char* name, double* value, double from, const char* help) {
@@ -418,8 +475,9 @@ int RunTaskTool(int argc, char** argv) {
         add_places("tour", "The same on TRUTH, for teaching");
         CLI::App* corridor = add(
             "corridor", "Drives to and fro in a corridor, on POSE", [options] {
-              return SendTask(
-                  "waypoints", CorridorWaypoints(*options), *options);
+              const auto waypoints = CorridorWaypoints(*options);
+              if (options->check) return 0;
+              return SendTask("waypoints", waypoints, *options);
             });
         AddWayOptions(corridor, options.get());
         add_drive(corridor);
