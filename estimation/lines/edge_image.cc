@@ -87,13 +87,14 @@ void SetEdgeBits(const cv::Mat1b& map, EdgeImage* edges) {
   edges->dx.clear();
   edges->dy.clear();
   edges->bits.assign(edges->WordOf(0, map.rows), 0);
+  const EdgeRowLoops& loops = WideEdgeRowLoops();
   for (int y = 0; y < map.rows; ++y) {
     const std::uint8_t* row = map.ptr(y);
     std::uint64_t* bits =
         edges->bits.data() + static_cast<std::ptrdiff_t>(y) * edges->num_words;
-    int x = 0;
-    for (; x + 64 <= map.cols; x += 64) bits[x >> 6] = PackNotZero(row + x);
-    for (; x < map.cols; ++x) {
+    const int num_full = map.cols / 64;
+    loops.pack_not_zero(row, num_full, bits);
+    for (int x = 64 * num_full; x < map.cols; ++x) {
       if (row[x] != 0) bits[x >> 6] |= std::uint64_t{1} << (x & 63);
     }
   }

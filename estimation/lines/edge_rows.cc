@@ -7,7 +7,7 @@
 #endif
 
 #if defined(__SSE2__)
-#include <emmintrin.h>
+#include <immintrin.h>
 #endif
 
 #include <cstring>
@@ -134,54 +134,6 @@ WAYMARK_INLINE void SuppressFourDirections(const SuppressionRow& row,
   }
 }
 
-constexpr EdgeRowLoops kPortable{
-    [](const uint8_t* const rows[5], int n, uint16_t* out) {
-      SmoothDown(rows, n, out);
-    },
-    [](const uint16_t* in, int n, int16_t* out) { SmoothAlong(in, n, out); },
-    [](const int16_t* const rows[3], int n, const GradientRow& out) {
-      Differentiate(rows, n, out);
-    },
-    [](const SuppressionRow& row, int n, uint8_t* marks) {
-      SuppressTwoAxes(row, n, marks);
-    },
-    [](const SuppressionRow& row, int n, uint8_t* marks) {
-      SuppressFourDirections(row, n, marks);
-    }};
-
-#if defined(WAYMARK_WIDE_ROWS)
-WAYMARK_WIDE_ROWS void WideSmoothDown(const uint8_t* const rows[5],
-                                      int n,
-                                      uint16_t* out) {
-  SmoothDown(rows, n, out);
-}
-WAYMARK_WIDE_ROWS void WideSmoothAlong(const uint16_t* in,
-                                       int n,
-                                       int16_t* out) {
-  SmoothAlong(in, n, out);
-}
-WAYMARK_WIDE_ROWS void WideDifferentiate(const int16_t* const rows[3],
-                                         int n,
-                                         const GradientRow& out) {
-  Differentiate(rows, n, out);
-}
-WAYMARK_WIDE_ROWS void WideTwoAxes(const SuppressionRow& row,
-                                   int n,
-                                   uint8_t* marks) {
-  SuppressTwoAxes(row, n, marks);
-}
-WAYMARK_WIDE_ROWS void WideFourDirections(const SuppressionRow& row,
-                                          int n,
-                                          uint8_t* marks) {
-  SuppressFourDirections(row, n, marks);
-}
-constexpr EdgeRowLoops kWide{WideSmoothDown,
-                             WideSmoothAlong,
-                             WideDifferentiate,
-                             WideTwoAxes,
-                             WideFourDirections};
-#endif
-
 #if defined(__SSE2__)
 template <typename Mask>
 std::uint64_t PackBy(const uint8_t* bytes, const Mask& mask_of) {
@@ -210,21 +162,90 @@ std::uint64_t PackBy(const uint8_t* bytes, const Bits& bits_of) {
 }
 #endif
 
-}  // namespace
-
-std::uint64_t PackNotZero(const std::uint8_t* bytes) {
+// Of num_words times 64 bytes one bit each: whether it is not 0.
+void PackNotZero(const uint8_t* bytes, int num_words, std::uint64_t* bits) {
+  for (int i = 0; i < num_words; ++i, bytes += 64) {
 #if defined(__SSE2__)
-  return ~PackBy(
-      bytes, [](__m128i v) { return _mm_cmpeq_epi8(v, _mm_setzero_si128()); });
+    bits[i] = ~PackBy(bytes, [](__m128i v) {
+      return _mm_cmpeq_epi8(v, _mm_setzero_si128());
+    });
 #else
-  return PackBy(bytes, [](std::uint64_t v) {
-    v |= v >> 4 & 0x0F0F0F0F0F0F0F0Full;
-    v |= v >> 2 & 0x3333333333333333ull;
-    v |= v >> 1 & 0x7F7F7F7F7F7F7F7Full;
-    return v & 0x0101010101010101ull;
-  });
+    bits[i] = PackBy(bytes, [](std::uint64_t v) {
+      v |= v >> 4 & 0x0F0F0F0F0F0F0F0Full;
+      v |= v >> 2 & 0x3333333333333333ull;
+      v |= v >> 1 & 0x7F7F7F7F7F7F7F7Full;
+      return v & 0x0101010101010101ull;
+    });
 #endif
+  }
 }
+
+constexpr EdgeRowLoops kPortable{
+    [](const uint8_t* const rows[5], int n, uint16_t* out) {
+      SmoothDown(rows, n, out);
+    },
+    [](const uint16_t* in, int n, int16_t* out) { SmoothAlong(in, n, out); },
+    [](const int16_t* const rows[3], int n, const GradientRow& out) {
+      Differentiate(rows, n, out);
+    },
+    [](const SuppressionRow& row, int n, uint8_t* marks) {
+      SuppressTwoAxes(row, n, marks);
+    },
+    [](const SuppressionRow& row, int n, uint8_t* marks) {
+      SuppressFourDirections(row, n, marks);
+    },
+    PackNotZero};
+
+#if defined(WAYMARK_WIDE_ROWS)
+WAYMARK_WIDE_ROWS void WideSmoothDown(const uint8_t* const rows[5],
+                                      int n,
+                                      uint16_t* out) {
+  SmoothDown(rows, n, out);
+}
+WAYMARK_WIDE_ROWS void WideSmoothAlong(const uint16_t* in,
+                                       int n,
+                                       int16_t* out) {
+  SmoothAlong(in, n, out);
+}
+WAYMARK_WIDE_ROWS void WideDifferentiate(const int16_t* const rows[3],
+                                         int n,
+                                         const GradientRow& out) {
+  Differentiate(rows, n, out);
+}
+WAYMARK_WIDE_ROWS void WideTwoAxes(const SuppressionRow& row,
+                                   int n,
+                                   uint8_t* marks) {
+  SuppressTwoAxes(row, n, marks);
+}
+WAYMARK_WIDE_ROWS void WideFourDirections(const SuppressionRow& row,
+                                          int n,
+                                          uint8_t* marks) {
+  SuppressFourDirections(row, n, marks);
+}
+WAYMARK_WIDE_ROWS void WidePackNotZero(const uint8_t* bytes,
+                                       int num_words,
+                                       std::uint64_t* bits) {
+  for (int i = 0; i < num_words; ++i, bytes += 64) {
+    std::uint64_t zero = 0;
+    for (int half = 0; half < 64; half += 32) {
+      const __m256i v =
+          _mm256_loadu_si256(reinterpret_cast<const __m256i*>(bytes + half));
+      const auto mask = static_cast<unsigned>(
+          _mm256_movemask_epi8(_mm256_cmpeq_epi8(v, _mm256_setzero_si256())));
+      zero |= static_cast<std::uint64_t>(mask) << half;
+    }
+    bits[i] = ~zero;
+  }
+}
+constexpr EdgeRowLoops kWide{WideSmoothDown,
+                             WideSmoothAlong,
+                             WideDifferentiate,
+                             WideTwoAxes,
+                             WideFourDirections,
+                             WidePackNotZero};
+#endif
+
+}  // namespace
 
 template <int Bit>
 std::uint64_t PackBit(const std::uint8_t* bytes) {

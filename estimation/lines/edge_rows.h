@@ -44,6 +44,11 @@ struct EdgeRowLoops {
   void (*suppress_four_directions)(const SuppressionRow& row,
                                    int n,
                                    std::uint8_t* marks);
+  // Of num_words times 64 bytes one bit each, the first the lowest: whether it
+  // is not 0.
+  void (*pack_not_zero)(const std::uint8_t* bytes,
+                        int num_words,
+                        std::uint64_t* bits);
 };
 
 // The same results; the first by AVX2 where the machine has it.
@@ -51,9 +56,7 @@ struct EdgeRowLoops {
 [[nodiscard]] const EdgeRowLoops& PortableEdgeRowLoops();
 [[nodiscard]] bool HasWideEdgeRows();
 
-// Of 64 bytes one bit each, the first the lowest: whether it is not 0; or its
-// bit `Bit`.
-[[nodiscard]] std::uint64_t PackNotZero(const std::uint8_t* bytes);
+// Of 64 bytes one bit each, the first the lowest: its bit `Bit`.
 template <int Bit>
 [[nodiscard]] std::uint64_t PackBit(const std::uint8_t* bytes);
 extern template std::uint64_t PackBit<0>(const std::uint8_t* bytes);

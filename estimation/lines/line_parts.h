@@ -20,13 +20,25 @@ struct LinePart {
   std::int32_t num_pixels = 0;
 };
 
+inline constexpr int kTileSide = 8;  // Pixels.
+
+// Pixels of a tile: (x + i % 8, y + i / 8) for each bit i.
+struct TilePixels {
+  std::uint64_t bits = 0;
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+};
+
 struct LineParts {
   std::vector<LinePart> parts;
-  std::vector<Eigen::Vector2f> pixels;  // Of a part: in order from a to b.
+  // Of a part: in order from a to b, or, where tiles are given, in its tile.
+  std::vector<Eigen::Vector2f> pixels;
+  std::vector<TilePixels> tiles;
   bool is_directed = false;
 
   void Clear() {
     parts.clear();
+    tiles.clear();
     pixels.clear();
   }
 };

@@ -1,5 +1,7 @@
 #include "estimation/lines/segment_merger.h"
 
+#include "estimation/lines/tile_order.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -8,8 +10,11 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
+
+#define inline __attribute__((always_inline))
 
 namespace waymark {
 namespace {
@@ -27,38 +32,42 @@ constexpr float kOverlapPx = 2.0f;
 // much it may seem to turn there: the error of some pixels in a row.
 constexpr float kSidePx = 2.0f;
 constexpr float kTurn = 0.35f;
-constexpr float kCellPx = 8.0f;
 // Smaller pieces only continue others: their own direction says too little.
 constexpr std::int32_t kFirstPixels = 5;
+// Two continuations that differ by less fit equally well: the nearer one is
+// taken. Mean square, px^2.
+constexpr double kSameError = 1e-6;
 // Ends lie within this many times the root mean square.
 constexpr double kEnds = 3.0;
 
-// Four values at a time, on any processor.
-using Float4 = float __attribute__((vector_size(16)));
-using Int4 = std::int32_t __attribute__((vector_size(16)));
-constexpr std::size_t kLanes = 4;
+// As LineMoments::Fit, times n^2, and without a root or a division that only
+// the best of many lines needs.
+struct ScaledFit {
+  explicit ScaledFit(const LineMoments& m) {
+    const double a = m.n * m.xx - m.x * m.x;
+    const double b = m.n * m.xy - m.x * m.y;
+    const double c = m.n * m.yy - m.y * m.y;
+    const double half = 0.5 * (a - c);
+    const double root = std::sqrt(half * half + b * b);
+    across = 0.5 * (a + c) - root;
+    dx = half >= 0.0 ? root + half : b;
+    dy = half >= 0.0 ? b : root - half;
+  }
+  [[nodiscard]] double SquaredLength() const { return dx * dx + dy * dy; }
+  // Of length 1, on the side of `ahead`.
+  [[nodiscard]] Eigen::Vector2f Direction(const Eigen::Vector2f& ahead) const {
+    const bool is_back = dx * static_cast<double>(ahead.x()) +
+                             dy * static_cast<double>(ahead.y()) <
+                         0.0;
+    const auto length = static_cast<float>(std::sqrt(SquaredLength()));
+    return Eigen::Vector2f(static_cast<float>(dx), static_cast<float>(dy)) *
+           ((is_back ? -1.0f : 1.0f) / length);
+  }
 
-Float4 Load(const float* values) {
-  Float4 result;
-  std::memcpy(&result, values, sizeof(result));
-  return result;
-}
-
-Float4 Absolute(Float4 v) {
-  return std::bit_cast<Float4>(std::bit_cast<Int4>(v) & 0x7FFFFFFF);
-}
-
-int CellOf(float value) {
-  return static_cast<int>(value * (1.0f / kCellPx));
-}
-
-bool IsForward(const Eigen::Vector2f& a,
-               const Eigen::Vector2f& b,
-               const Eigen::Vector2d& direction) {
-  return direction.x() * static_cast<double>(b.x() - a.x()) +
-             direction.y() * static_cast<double>(b.y() - a.y()) >=
-         0.0;
-}
+  double across;
+  double dx;  // Along the line, of any length.
+  double dy;
+};
 
 }  // namespace
 
@@ -77,146 +86,157 @@ void SegmentMergerOptions::Check() const {
 SegmentMerger::SegmentMerger(const SegmentMergerOptions& options)
     : options_(options) {
   options.Check();
+  const float cell_px = std::max(
+      static_cast<float>(kTileSide),
+      std::ceil(std::hypot(static_cast<float>(options.max_gap_px), kSidePx)));
+  cells_per_px_ = 1.0f / cell_px;
 }
 
-void SegmentMerger::Ends::Resize(std::size_t num) {
-  // What follows the last is looked at with it, and refused.
-  for (auto* values : {&near_x, &near_y, &far_x, &far_y}) {
-    values->resize(num + kLanes);
-    std::fill(values->end() - kLanes,
-              values->end(),
-              std::numeric_limits<float>::infinity());
-  }
-  code.resize(num + kLanes);
+void SegmentMerger::Pieces::Resize(std::size_t num) {
+  // What follows the last is looked at with it.
+  for (auto* values : {&ax, &ay, &bx, &by}) values->resize(num + kPieceLanes);
+  part.resize(num);
 }
 
-// By counting: the ends of three cells side by side follow each other.
+// The pieces of three cells side by side follow each other.
 void SegmentMerger::FillCells(const LineParts& parts, int width, int height) {
+  const std::size_t num_parts = parts.parts.size();
   num_columns_ = CellOf(static_cast<float>(width)) + 1;
   num_rows_ = CellOf(static_cast<float>(height)) + 1;
   first_.assign(static_cast<std::size_t>(num_columns_) *
                         static_cast<std::size_t>(num_rows_) +
                     1,
                 0);
-  ends_.Resize(2 * parts.parts.size());
-  end_of_.resize(2 * parts.parts.size());
+  entries_of_.resize(num_parts);
+  const auto put = [&](std::size_t at, std::size_t i) {
+    const LinePart& part = parts.parts[i];
+    pieces_.ax[at] = part.a.x();
+    pieces_.ay[at] = part.a.y();
+    pieces_.bx[at] = part.b.x();
+    pieces_.by[at] = part.b.y();
+    pieces_.part[at] = static_cast<std::int32_t>(i);
+    return static_cast<std::int32_t>(at);
+  };
+  if (!parts.tiles.empty() && cells_per_px_ * kTileSide == 1.0f) {
+    // Tiles are cells, and in order.
+    pieces_.Resize(num_parts);
+    for (std::size_t i = 0; i < num_parts; ++i) {
+      const TilePixels& tile = parts.tiles[i];
+      ++first_[static_cast<std::size_t>(tile.y / kTileSide * num_columns_ +
+                                        tile.x / kTileSide + 1)];
+      entries_of_[i].fill(put(i, i));
+    }
+    std::inclusive_scan(first_.begin(), first_.end(), first_.begin());
+    return;
+  }
+  // By counting; a piece is in the cells of both its ends.
   const auto cell_of = [&](const Eigen::Vector2f& p) {
-    return static_cast<std::size_t>(CellOf(p.y())) *
-               static_cast<std::size_t>(num_columns_) +
-           static_cast<std::size_t>(CellOf(p.x()));
+    return static_cast<std::size_t>(CellOf(p.y()) * num_columns_ +
+                                    CellOf(p.x()));
   };
   for (const LinePart& part : parts.parts) {
-    ++first_[cell_of(part.a)];
-    ++first_[cell_of(part.b)];
+    const std::size_t a = cell_of(part.a);
+    const std::size_t b = cell_of(part.b);
+    ++first_[a];
+    if (a != b) ++first_[b];
   }
   std::int32_t sum = 0;
   for (std::int32_t& first : first_) {
     sum += first;
     first = sum;
   }
-  const auto put = [&](const Eigen::Vector2f& near,
-                       const Eigen::Vector2f& far,
-                       std::size_t code) {
-    const auto at = static_cast<std::size_t>(--first_[cell_of(near)]);
-    ends_.near_x[at] = near.x();
-    ends_.near_y[at] = near.y();
-    ends_.far_x[at] = far.x();
-    ends_.far_y[at] = far.y();
-    ends_.code[at] = static_cast<std::int32_t>(code);
-    end_of_[code] = static_cast<std::int32_t>(at);
-  };
-  // From the back, so that ends of a cell keep their order.
-  for (std::size_t i = parts.parts.size(); i-- > 0;) {
-    const LinePart& part = parts.parts[i];
-    const std::size_t code = 2 * i;
-    put(part.b, part.a, code + 1);
-    put(part.a, part.b, code);
+  pieces_.Resize(static_cast<std::size_t>(sum));
+  // From the back, so that pieces of a cell keep their order.
+  for (std::size_t i = num_parts; i-- > 0;) {
+    const std::size_t a = cell_of(parts.parts[i].a);
+    const std::size_t b = cell_of(parts.parts[i].b);
+    entries_of_[i].fill(put(static_cast<std::size_t>(--first_[a]), i));
+    if (a == b) continue;
+    entries_of_[i][1] = put(static_cast<std::size_t>(--first_[b]), i);
   }
+}
+
+int SegmentMerger::CellOf(float value) const {
+  return static_cast<int>(value * cells_per_px_);
 }
 
 void SegmentMerger::Use(std::size_t part) {
   is_used_[part] = 1;
-  for (const std::size_t code : {2 * part, 2 * part + 1}) {
-    ends_.near_x[static_cast<std::size_t>(end_of_[code])] =
-        std::numeric_limits<float>::infinity();
+  for (const std::int32_t entry : entries_of_[part]) {
+    pieces_.ax[static_cast<std::size_t>(entry)] =
+        std::numeric_limits<float>::quiet_NaN();
   }
 }
 
 void SegmentMerger::Consider(const LineParts& parts,
-                             std::size_t end,
+                             std::int32_t code,
                              Continuation* best) {
-  const std::int32_t code = ends_.code[end];
   if (parts.is_directed && (code % 2 == 1) != trace_.is_turned) return;
+  const LinePart& part = parts.parts[static_cast<std::size_t>(code / 2)];
   LineMoments sum = trace_.moments;
-  sum += parts.parts[static_cast<std::size_t>(code / 2)].moments;
-  if (!sum.IsStraight(best->least)) return;
-  LineFit fit = sum.Fit();
-  if (fit.across > best->least) return;
+  sum += part.moments;
+  const ScaledFit fit(sum);
+  const double nn = sum.n * sum.n;
+  if (fit.across > (best->least + kSameError) * nn) return;
   const double end_limit = kEnds * options_.max_rms_px;
-  const auto is_off = [&](float x, float y) {
-    return std::abs(fit.Distance(
-               {static_cast<double>(x), static_cast<double>(y)})) > end_limit;
+  const double limit = end_limit * end_limit * nn * fit.SquaredLength();
+  const auto is_off = [&](const Eigen::Vector2f& p) {
+    const double offset =
+        fit.dx * (sum.n * static_cast<double>(p.y()) - sum.y) -
+        fit.dy * (sum.n * static_cast<double>(p.x()) - sum.x);
+    return offset * offset > limit;
   };
-  if (is_off(ends_.near_x[end], ends_.near_y[end]) ||
-      is_off(ends_.far_x[end], ends_.far_y[end]) ||
-      is_off(trace_.b.x(), trace_.b.y())) {
-    return;
-  }
-  if (fit.direction.dot(trace_.fit.direction) < 0.0) {
-    fit.direction = -fit.direction;
-  }
-  *best = {code, sum, fit, fit.across};
+  if (is_off(part.a) || is_off(part.b) || is_off(trace_.b)) return;
+  const Eigen::Vector2f& near = code % 2 == 1 ? part.b : part.a;
+  const float step = trace_.direction.dot(near - trace_.b);
+  const bool is_better = fit.across < (best->least - kSameError) * nn;
+  if (best->code >= 0 && !is_better && step >= best->step) return;
+  best->code = code;
+  best->step = step;
+  best->moments = sum;
+  best->least = std::max(0.0, fit.across) / nn;
+  best->direction = fit.Direction(trace_.direction);
 }
 
 bool SegmentMerger::Extend(const LineParts& parts) {
   Continuation best;
   best.least = options_.max_rms_px * options_.max_rms_px;
-  // Ends that may continue the trace lie in a small box ahead of it; the first
-  // checks are cheap, as most of them fail.
-  const auto gap = static_cast<float>(options_.max_gap_px);
-  const float bx = trace_.b.x();
-  const float by = trace_.b.y();
-  const auto dx = static_cast<float>(trace_.fit.direction.x());
-  const auto dy = static_cast<float>(trace_.fit.direction.y());
-  const auto range = [gap](float at, float along, float aside, int num) {
-    const float one = -kOverlapPx * along;
-    const float other = gap * along;
-    const float side = kSidePx * std::abs(aside);
-    return std::pair(
-        std::max(0, CellOf(at + std::min(one, other) - side)),
-        std::min(num - 1, CellOf(at + std::max(one, other) + side)));
-  };
-  const auto [left, right] = range(bx, dx, dy, num_columns_);
-  const auto [top, bottom] = range(by, dy, dx, num_rows_);
-  for (int r = top; r <= bottom; ++r) {
-    const std::int32_t* cells = first_.data() + r * num_columns_;
-    const auto first = static_cast<std::size_t>(cells[left]);
-    const auto last = static_cast<std::size_t>(cells[right + 1]);
-    for (std::size_t i = first; i < last; i += kLanes) {
-      const Float4 step_x = Load(&ends_.near_x[i]) - bx;
-      const Float4 step_y = Load(&ends_.near_y[i]) - by;
-      const Float4 reach_x = Load(&ends_.far_x[i]) - bx;
-      const Float4 reach_y = Load(&ends_.far_y[i]) - by;
-      const Float4 step = dx * step_x + dy * step_y;
-      const Float4 reach = dx * reach_x + dy * reach_y;
-      // Nothing holds of what is infinite.
-      const Int4 is_near =
-          (Absolute(dx * step_y - dy * step_x) <= kSidePx) &
-          (step >= -kOverlapPx) & (step <= gap) & (reach > 0.0f) &
-          (reach > step) &
-          (Absolute(dx * reach_y - dy * reach_x) <= kSidePx + kTurn * reach);
-      const auto any = std::bit_cast<std::array<std::uint64_t, 2>>(is_near);
-      if ((any[0] | any[1]) == 0) continue;
-      for (std::size_t k = 0; k < kLanes && i + k < last; ++k) {
-        if (is_near[k] != 0) Consider(parts, i + k, &best);
-      }
-    }
+  const float x = trace_.b.x();
+  const float y = trace_.b.y();
+  // Only pieces that begin in the cell of the trace's end, or beside it, are
+  // near enough. The first checks are cheap, as most of them fail.
+  const int column = CellOf(x);
+  const int row = CellOf(y);
+  const int left = std::max(0, column - 1);
+  const int right = std::min(num_columns_ - 1, column + 1);
+  const int top = std::max(0, row - 1);
+  const int bottom = std::min(num_rows_ - 1, row + 1);
+  const LineEnd line{x,
+                     y,
+                     trace_.direction.x(),
+                     trace_.direction.y(),
+                     -kOverlapPx,
+                     static_cast<float>(options_.max_gap_px),
+                     kSidePx,
+                     kTurn};
+  const PieceEnds ends{pieces_.ax.data(),
+                       pieces_.ay.data(),
+                       pieces_.bx.data(),
+                       pieces_.by.data()};
+  const PieceRows rows{first_.data() + top * num_columns_ + left,
+                       num_columns_,
+                       right + 1 - left,
+                       bottom + 1 - top};
+  const std::int32_t* last = find_near_(ends, rows, line, near_.data());
+  for (const std::int32_t* it = near_.data(); it != last; ++it) {
+    const std::int32_t part = pieces_.part[static_cast<std::size_t>(*it / 2)];
+    Consider(parts, 2 * part + *it % 2, &best);
   }
   if (best.code < 0) return false;
   const auto index = static_cast<std::size_t>(best.code / 2);
   const LinePart& part = parts.parts[index];
   trace_.moments = best.moments;
-  trace_.fit = best.fit;
+  trace_.direction = best.direction;
   trace_.ahead.push_back(best.code);
   trace_.b = best.code % 2 == 1 ? part.a : part.b;
   Use(index);
@@ -227,8 +247,80 @@ bool SegmentMerger::Extend(const LineParts& parts) {
 void SegmentMerger::Turn() {
   std::swap(trace_.a, trace_.b);
   std::swap(trace_.ahead, trace_.behind);
-  trace_.fit.direction = -trace_.fit.direction;
+  trace_.direction = -trace_.direction;
   trace_.is_turned = !trace_.is_turned;
+}
+
+void SegmentMerger::AppendListed(const LineParts& parts,
+                                 std::vector<Eigen::Vector2f>* pixels) const {
+  const auto append = [&](std::int32_t end, bool is_back) {
+    const LinePart& part = parts.parts[static_cast<std::size_t>(end / 2)];
+    const Eigen::Vector2f* first = parts.pixels.data() + part.first_pixel;
+    if ((end % 2 == 1) != is_back) {
+      pixels->insert(pixels->end(),
+                     std::make_reverse_iterator(first + part.num_pixels),
+                     std::make_reverse_iterator(first));
+    } else {
+      pixels->insert(pixels->end(), first, first + part.num_pixels);
+    }
+  };
+  for (auto it = trace_.behind.rbegin(); it != trace_.behind.rend(); ++it) {
+    append(*it, true);
+  }
+  for (const std::int32_t end : trace_.ahead) append(end, false);
+}
+
+void SegmentMerger::AppendTiles(const LineParts& parts,
+                                const Eigen::Vector2f& direction,
+                                std::vector<Eigen::Vector2f>* pixels) const {
+  std::size_t num = 0;
+  for (const auto* codes : {&trace_.behind, &trace_.ahead}) {
+    for (const std::int32_t code : *codes) {
+      num += static_cast<std::size_t>(
+          parts.parts[static_cast<std::size_t>(code / 2)].num_pixels);
+    }
+  }
+  const std::size_t begin = pixels->size();
+  pixels->resize(begin + num + TileOrder::kStep);
+  Eigen::Vector2f* out = pixels->data() + begin;
+  const TileOrder order(direction);
+  const auto list = [&](std::int32_t code) {
+    const auto part = static_cast<std::size_t>(code / 2);
+    out = order.List(parts.tiles[part], parts.parts[part].num_pixels, out);
+  };
+  std::for_each(trace_.behind.rbegin(), trace_.behind.rend(), list);
+  std::for_each(trace_.ahead.begin(), trace_.ahead.end(), list);
+  pixels->resize(begin + num);
+}
+
+// Nearly sorted already: an insertion sort takes few steps.
+void SegmentMerger::SortAlong(const Eigen::Vector2f& direction,
+                              Eigen::Vector2f* pixels,
+                              std::size_t num) {
+  places_.resize(num);
+  const float dx = direction.x();
+  const float dy = direction.y();
+  float* places = places_.data();
+  for (std::size_t i = 0; i < num; ++i) {
+    places[i] = dx * pixels[i].x() + dy * pixels[i].y();
+  }
+  int num_back = 0;
+  for (std::size_t i = 1; i < num; ++i) {
+    num_back += places[i] < places[i - 1] ? 1 : 0;
+  }
+  if (num_back == 0) return;
+  for (std::size_t i = 1; i < num; ++i) {
+    const float place = places[i];
+    if (place >= places[i - 1]) continue;
+    const Eigen::Vector2f pixel = pixels[i];
+    std::size_t at = i;
+    for (; at > 0 && places[at - 1] > place; --at) {
+      places[at] = places[at - 1];
+      pixels[at] = pixels[at - 1];
+    }
+    places[at] = place;
+    pixels[at] = pixel;
+  }
 }
 
 void SegmentMerger::Emit(const LineParts& parts, LineSet* set) {
@@ -239,41 +331,21 @@ void SegmentMerger::Emit(const LineParts& parts, LineSet* set) {
   }
   LineSegment segment;
   segment.first_pixel = static_cast<std::int32_t>(set->pixels.size());
-  const auto append = [&](std::int32_t end, bool is_back) {
-    const LinePart& part = parts.parts[static_cast<std::size_t>(end / 2)];
-    const Eigen::Vector2f* first = parts.pixels.data() + part.first_pixel;
-    if ((end % 2 == 1) != is_back) {
-      set->pixels.insert(set->pixels.end(),
-                         std::make_reverse_iterator(first + part.num_pixels),
-                         std::make_reverse_iterator(first));
-    } else {
-      set->pixels.insert(set->pixels.end(), first, first + part.num_pixels);
-    }
-  };
-  for (auto it = trace_.behind.rbegin(); it != trace_.behind.rend(); ++it) {
-    append(*it, true);
+  LineFit fit = trace_.moments.Fit();
+  const Eigen::Vector2d along = trace_.direction.cast<double>();
+  if (fit.direction.dot(along) < 0.0) fit.direction = -fit.direction;
+  const Eigen::Vector2f d = fit.direction.cast<float>();
+  if (parts.tiles.empty()) {
+    AppendListed(parts, &set->pixels);
+  } else {
+    AppendTiles(parts, d, &set->pixels);
   }
-  for (const std::int32_t end : trace_.ahead) append(end, false);
-  const auto begin = set->pixels.begin() + segment.first_pixel;
   segment.num_pixels =
       static_cast<std::int32_t>(set->pixels.size()) - segment.first_pixel;
-  const Eigen::Vector2f d = trace_.fit.direction.cast<float>();
-  // Nearly sorted already: an insertion sort takes few steps.
-  float before = d.dot(*begin);
-  for (auto it = begin + 1; it != set->pixels.end(); ++it) {
-    const Eigen::Vector2f pixel = *it;
-    const float key = d.dot(pixel);
-    if (key >= before) {
-      before = key;
-      continue;
-    }
-    auto at = it;
-    for (; at != begin && d.dot(*(at - 1)) > key; --at) *at = *(at - 1);
-    *at = pixel;
-  }
+  const auto begin = set->pixels.begin() + segment.first_pixel;
+  SortAlong(d, &*begin, static_cast<std::size_t>(segment.num_pixels));
   const auto on_line = [&](const Eigen::Vector2f& p) -> Eigen::Vector2d {
-    return trace_.fit.mean +
-           trace_.fit.Along(p.cast<double>()) * trace_.fit.direction;
+    return fit.mean + fit.Along(p.cast<double>()) * fit.direction;
   };
   segment.a = on_line(*begin);
   segment.b = on_line(set->pixels.back());
@@ -281,7 +353,7 @@ void SegmentMerger::Emit(const LineParts& parts, LineSet* set) {
     set->pixels.resize(static_cast<std::size_t>(segment.first_pixel));
     return;
   }
-  SetSegmentErrors(std::sqrt(trace_.fit.across), &segment);
+  SetSegmentErrors(std::sqrt(fit.across), &segment);
   set->segments.push_back(segment);
 }
 
@@ -289,18 +361,20 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
   LineSet set;
   set.has_polarity = parts.is_directed;
   if (parts.parts.empty()) return set;
-  set.pixels.reserve(parts.pixels.size());
+  std::size_t num_pixels = 0;
+  for (const LinePart& part : parts.parts) {
+    num_pixels += static_cast<std::size_t>(part.num_pixels);
+  }
+  set.pixels.reserve(num_pixels + TileOrder::kStep);
   FillCells(parts, width, height);
+  near_.resize(pieces_.part.size());
   is_used_.assign(parts.parts.size(), 0);
   for (std::size_t i = 0; i < parts.parts.size(); ++i) {
     const LinePart& part = parts.parts[i];
     if (is_used_[i] || part.num_pixels < kFirstPixels) continue;
     Use(i);
     trace_.moments = part.moments;
-    trace_.fit = part.moments.Fit();
-    if (!IsForward(part.a, part.b, trace_.fit.direction)) {
-      trace_.fit.direction = -trace_.fit.direction;
-    }
+    trace_.direction = ScaledFit(part.moments).Direction(part.b - part.a);
     trace_.ahead.assign(1, static_cast<std::int32_t>(2 * i));
     trace_.behind.clear();
     trace_.a = part.a;

@@ -3,7 +3,9 @@
 
 #include "estimation/lines/line_parts.h"
 #include "estimation/lines/line_types.h"
+#include "estimation/lines/near_pieces.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,7 +28,8 @@ struct SegmentMergerOptions {
 // Traces pieces from end to end and joins two iff their combined pixels still
 // describe a line [1]: by sums, in constant time for each pair. The ends are
 // those of the pixels on the fitted line. Deterministic: pieces are begun in
-// their order, and of many continuations the one with the least error is taken.
+// their order; of many continuations the one with the least error is taken, and
+// of equal ones the nearest.
 //
 // [1] E. Bayramoglu et al. Mobile robot navigation in a corridor using visual
 //     odometry. ICAR 2009, section III.A.
@@ -40,7 +43,7 @@ class SegmentMerger {
  private:
   struct Trace {
     LineMoments moments;
-    LineFit fit;
+    Eigen::Vector2f direction;         // From a to b, of length 1.
     std::vector<std::int32_t> ahead;   // Codes 2 part + is_turned, in order.
     std::vector<std::int32_t> behind;  // The same, away from the first.
     Eigen::Vector2f a;
@@ -48,14 +51,13 @@ class SegmentMerger {
     bool is_turned;  // Against the direction of a directed set.
   };
 
-  // Ends of pieces, at `near`, from which they lead to `far`; cell by cell, row
-  // after row of them. Coordinates one after another, for four ends at a time.
-  struct Ends {
-    std::vector<float> near_x;  // Infinite once the piece is used.
-    std::vector<float> near_y;
-    std::vector<float> far_x;
-    std::vector<float> far_y;
-    std::vector<std::int32_t> code;  // 2 part, + 1 where `near` is its b.
+  // Ends of pieces, cell by cell, row after row of them: see PieceEnds.
+  struct Pieces {
+    std::vector<float> ax;  // Not a number once the piece is used.
+    std::vector<float> ay;
+    std::vector<float> bx;
+    std::vector<float> by;
+    std::vector<std::int32_t> part;
 
     void Resize(std::size_t num);
   };
@@ -64,27 +66,43 @@ class SegmentMerger {
   struct Continuation {
     std::int32_t code = -1;
     LineMoments moments;
-    LineFit fit;
+    Eigen::Vector2f direction;
     double least = 0.0;  // Mean square across.
+    float step = 0.0f;   // To its nearer end, along the trace.
   };
 
+  [[nodiscard]] int CellOf(float value) const;
   void FillCells(const LineParts& parts, int width, int height);
   // Joins the best piece at the end b of the trace; false where there is none.
   bool Extend(const LineParts& parts);
-  // Takes the end, an index of ends_, if it is better than what there is.
-  void Consider(const LineParts& parts, std::size_t end, Continuation* best);
+  // Takes the piece if it is better than what there is.
+  void Consider(const LineParts& parts, std::int32_t code, Continuation* best);
   void Use(std::size_t part);
   void Turn();
   void Emit(const LineParts& parts, LineSet* set);
+  // The pixels of the trace, from its end a to b.
+  void AppendListed(const LineParts& parts,
+                    std::vector<Eigen::Vector2f>* pixels) const;
+  void AppendTiles(const LineParts& parts,
+                   const Eigen::Vector2f& direction,
+                   std::vector<Eigen::Vector2f>* pixels) const;
+  void SortAlong(const Eigen::Vector2f& direction,
+                 Eigen::Vector2f* pixels,
+                 std::size_t num);
 
   SegmentMergerOptions options_;
   int num_columns_ = 0;
   int num_rows_ = 0;
-  std::vector<std::int32_t> first_;  // End of each cell, and one past the last.
-  Ends ends_;
-  std::vector<std::int32_t> end_of_;  // Of each code, its index in ends_.
+  float cells_per_px_ = 0.0f;  // No continuation begins farther away.
+  // Of each cell its first of pieces_, and one past the last.
+  std::vector<std::int32_t> first_;
+  Pieces pieces_;
+  std::vector<std::array<std::int32_t, 2>> entries_of_;  // Of each part.
   std::vector<char> is_used_;
   Trace trace_;
+  FindNearPieces find_near_ = ChooseFindNearPieces();
+  std::vector<std::int32_t> near_;  // Of pieces_, as found.
+  std::vector<float> places_;       // Along the trace, of its pixels.
 };
 
 // Errors of a segment of this length whose pixels lie across_px (root mean

@@ -1,6 +1,8 @@
 #include "estimation/lines/segmented_hough.h"
 
 #include "estimation/lines/fullest_line.h"
+#include "estimation/lines/tile_groups.h"
+#include "estimation/lines/tile_words.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +20,7 @@ using Word = std::uint64_t;
 
 constexpr int kLiteralSide = 10;
 constexpr int kNumLiteralPixels = kLiteralSide * kLiteralSide;
-constexpr int kSide = 8;
+constexpr int kSide = kTileSide;
 // Half a tile away two neighbours differ by a pixel at most.
 constexpr int kNumLiteralAngles = 20;
 constexpr int kNumAngles = 16;
@@ -38,76 +40,6 @@ int OffsetIndex(int angle, int num_angles, double x, double y) {
   return static_cast<int>(std::floor(offset / kOffsetStep)) + kNumOffsets / 2 -
          1;
 }
-
-Word Transpose(Word w) {
-  Word t = (w ^ (w >> 7)) & 0x00AA00AA00AA00AAull;
-  w ^= t ^ (t << 7);
-  t = (w ^ (w >> 14)) & 0x0000CCCC0000CCCCull;
-  w ^= t ^ (t << 14);
-  t = (w ^ (w >> 28)) & 0x00000000F0F0F0F0ull;
-  return w ^ t ^ (t << 28);
-}
-
-// What is connected to `seed` in `field`, diagonals included, one step farther.
-Word Grow(Word seed, Word field) {
-  constexpr Word kNotFirst = 0xFEFEFEFEFEFEFEFEull;
-  constexpr Word kNotLast = 0x7F7F7F7F7F7F7F7Full;
-  const Word row = seed | ((seed << 1) & kNotFirst) | ((seed >> 1) & kNotLast);
-  return (row | row << 8 | row >> 8) & field;
-}
-
-// What `seed` is connected to in `field`, diagonals included.
-Word Connected(Word seed, Word field) {
-  Word before = 0;
-  while (seed != before) {
-    before = Grow(Grow(Grow(seed, field), field), field);
-    seed = Grow(before, field);
-  }
-  return seed;
-}
-
-// Sums of the set pixels of a tile about its first pixel.
-struct TileSums {
-  std::int32_t n = 0;
-  std::int32_t x = 0;
-  std::int32_t y = 0;
-  std::int32_t xx = 0;
-  std::int32_t xy = 0;
-  std::int32_t yy = 0;
-
-  void Add(std::int32_t px, std::int32_t py) {
-    ++n;
-    x += px;
-    y += py;
-    xx += px * px;
-    xy += px * py;
-    yy += py * py;
-  }
-  // n^2 times the second moments.
-  [[nodiscard]] std::int32_t Sxx() const { return n * xx - x * x; }
-  [[nodiscard]] std::int32_t Sxy() const { return n * xy - x * y; }
-  [[nodiscard]] std::int32_t Syy() const { return n * yy - y * y; }
-  // Whether the mean square across the best line is at most `limit`: M - limit
-  // I has a negative or no determinant, or is negative as a whole.
-  [[nodiscard]] bool IsStraight(double limit) const {
-    const double t = limit * n * n;
-    const double a = Sxx() - t;
-    const double c = Syy() - t;
-    const double b = Sxy();
-    return a <= 0.0 || c <= 0.0 || a * c <= b * b;
-  }
-  [[nodiscard]] LineMoments At(int ox, int oy) const {
-    LineMoments m;
-    m.n = n;
-    m.x = x + static_cast<double>(n) * ox;
-    m.y = y + static_cast<double>(n) * oy;
-    m.xx = xx + 2.0 * ox * x + static_cast<double>(n) * ox * ox;
-    m.yy = yy + 2.0 * oy * y + static_cast<double>(n) * oy * oy;
-    m.xy = xy + static_cast<double>(ox) * y + static_cast<double>(oy) * x +
-           static_cast<double>(n) * ox * oy;
-    return m;
-  }
-};
 
 void AddPixel(int x, int y, LineParts* parts) {
   parts->pixels.emplace_back(static_cast<float>(x), static_cast<float>(y));
@@ -141,6 +73,7 @@ struct SegmentedHough::Tables {
   // The lines of a tile of eight, one and a half pixels wide.
   std::vector<Word> lines;
   FindFullestLine fullest = ChooseFindFullestLine();
+  FindTileGroups groups = ChooseFindTileGroups();
 
   Tables() {
     for (int y = 0; y < kLiteralSide; ++y) {
@@ -307,68 +240,104 @@ void SegmentedHough::FindLiteral(const EdgeImage& edges,
 void SegmentedHough::FindWords(const EdgeImage& edges, LineParts* parts) const {
   const double limit = options_.max_rms_px * options_.max_rms_px;
   const auto emit = [&](Word pixels, const TileSums& sums, int ox, int oy) {
-    const std::size_t begin = parts->pixels.size();
-    const auto first = static_cast<std::int32_t>(begin);
-    parts->pixels.resize(begin + static_cast<std::size_t>(sums.n));
-    Eigen::Vector2f* out = parts->pixels.data() + begin;
-    if (sums.Sxx() >= sums.Syy()) {
-      for (Word w = Transpose(pixels); w != 0; w &= w - 1) {
-        const int i = std::countr_zero(w);
-        *out++ = {static_cast<float>(ox + i / kSide),
-                  static_cast<float>(oy + i % kSide)};
-      }
-    } else {
-      for (Word w = pixels; w != 0; w &= w - 1) {
-        const int i = std::countr_zero(w);
-        *out++ = {static_cast<float>(ox + i % kSide),
-                  static_cast<float>(oy + i / kSide)};
-      }
-    }
-    AddPart(sums.At(ox, oy), first, parts);
+    const bool is_wide = sums.Sxx() >= sums.Syy();
+    // Its pixels column by column, or row by row.
+    const Word ordered = is_wide ? TransposeTile(pixels) : pixels;
+    const int i = std::countr_zero(ordered);
+    const int k = 63 - std::countl_zero(ordered);
+    const auto corner = [&](int bit) {
+      const int major = bit / kSide;
+      const int minor = bit % kSide;
+      return Eigen::Vector2f(
+          static_cast<float>(ox + (is_wide ? major : minor)),
+          static_cast<float>(oy + (is_wide ? minor : major)));
+    };
+    LinePart& part = parts->parts.emplace_back();
+    part.moments = sums.At(ox, oy);
+    part.num_pixels = sums.n;
+    part.a = corner(i);
+    part.b = corner(k);
+    parts->tiles.push_back({pixels, ox, oy});
   };
-  const auto scan = [&](Word tile, int ox, int oy) {
-    while (tile != 0) {
-      Word group = Connected(tile & -tile, tile);
-      tile &= ~group;
-      TileSums sums = tables_->SumsOf(group);
-      if (sums.n < options_.min_pixels) continue;
-      if (sums.IsStraight(limit)) {
-        emit(group, sums, ox, oy);
-        continue;
-      }
-      while (true) {
-        const FullestLine best =
-            tables_->fullest(tables_->lines.data(),
-                             static_cast<int>(tables_->lines.size()),
-                             group);
-        if (best.count < std::max(options_.min_pixels, kChance)) break;
-        const Word line =
-            group & tables_->lines[static_cast<std::size_t>(best.index)];
-        group &= ~line;
-        sums = tables_->SumsOf(line);
-        if (sums.IsStraight(limit)) emit(line, sums, ox, oy);
-      }
+  const auto scan = [&](Word group, int ox, int oy) {
+    TileSums sums = tables_->SumsOf(group);
+    if (sums.n < options_.min_pixels) return;
+    if (sums.IsStraight(limit)) {
+      emit(group, sums, ox, oy);
+      return;
+    }
+    const int least = std::max(options_.min_pixels, kChance);
+    for (int left = sums.n; left >= least;) {
+      const FullestLine best =
+          tables_->fullest(tables_->lines.data(),
+                           static_cast<int>(tables_->lines.size()),
+                           group);
+      if (best.count < least) break;
+      const Word line =
+          group & tables_->lines[static_cast<std::size_t>(best.index)];
+      group &= ~line;
+      left -= best.count;
+      sums = tables_->SumsOf(line);
+      if (sums.IsStraight(limit)) emit(line, sums, ox, oy);
     }
   };
+  // Tiles with edges, until there are enough for a block.
+  struct Corner {
+    int x;
+    int y;
+  };
+  std::array<Word, 2 * kTileBlock> tiles{};
+  std::array<Corner, 2 * kTileBlock> corners{};
+  std::size_t num = 0;
+  TileGroups groups;
+  const auto scan_block = [&] {
+    std::array<Word, kTileBlock> block;
+    std::copy_n(tiles.begin(), kTileBlock, block.begin());
+    tables_->groups(block, &groups);
+    for (std::size_t k = 0; k < std::min<std::size_t>(num, kTileBlock); ++k) {
+      for (const auto& of_rank : groups.of_rank) {
+        if (of_rank[k] == 0) break;
+        scan(of_rank[k], corners[k].x, corners[k].y);
+      }
+    }
+  };
+  std::array<Word, kSide> rows{};
   for (int oy = 0; oy < edges.height; oy += kSide) {
     const int num_rows = std::min(kSide, edges.height - oy);
     const Word* row =
         edges.bits.data() + static_cast<std::ptrdiff_t>(oy) * edges.num_words;
+    // Below the image there is nothing: its last row again, without pixels.
+    std::array<const Word*, kSide> row_of;
+    std::array<Word, kSide> mask;
+    for (int y = 0; y < kSide; ++y) {
+      const auto k = static_cast<std::size_t>(y);
+      row_of[k] = row + static_cast<std::ptrdiff_t>(std::min(y, num_rows - 1)) *
+                            edges.num_words;
+      mask[k] = y < num_rows ? ~Word{0} : 0;
+    }
     for (int word = 0; word < edges.num_words; ++word) {
       Word any = 0;
-      for (int y = 0; y < num_rows; ++y) any |= row[y * edges.num_words + word];
-      for (; any != 0;) {
-        const int shift = std::countr_zero(any) / kSide * kSide;
-        Word tile = 0;
-        for (int y = 0; y < num_rows; ++y) {
-          tile |= (row[y * edges.num_words + word] >> shift & 0xFF)
-                  << (kSide * y);
-        }
-        any &= ~(Word{0xFF} << shift);
-        scan(tile, 64 * word + shift, oy);
+      for (std::size_t k = 0; k < kSide; ++k) {
+        rows[k] = row_of[k][word] & mask[k];
+        any |= rows[k];
       }
+      if (any == 0) continue;
+      const std::array<Word, kSide> side_by_side = TilesOf(rows);
+      for (int i = 0; i < kSide; ++i) {
+        const Word tile = side_by_side[static_cast<std::size_t>(i)];
+        tiles[num] = tile;
+        corners[num] = {64 * word + kSide * i, oy};
+        num += tile != 0 ? 1 : 0;
+      }
+      if (num < kTileBlock) continue;
+      scan_block();
+      num -= kTileBlock;
+      std::copy_n(tiles.begin() + kTileBlock, kTileBlock, tiles.begin());
+      std::copy_n(corners.begin() + kTileBlock, kTileBlock, corners.begin());
     }
   }
+  std::fill(tiles.begin() + static_cast<std::ptrdiff_t>(num), tiles.end(), 0);
+  if (num > 0) scan_block();
 }
 
 }  // namespace waymark

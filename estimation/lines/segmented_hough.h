@@ -21,7 +21,7 @@ enum class HoughForm {
 
 struct SegmentedHoughOptions {
   HoughForm form = HoughForm::kWords;
-  int min_pixels = 3;       // Of a piece; in [2, 8].
+  int min_pixels = 4;       // Of a piece; in [2, 8].
   double max_rms_px = 0.5;  // Of a piece's pixels across its line, in (0, 2].
 
   // Throws std::invalid_argument naming the first field out of range.
