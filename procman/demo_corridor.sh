@@ -106,11 +106,9 @@ say ""
 robot_camera_line
 robot_report
 if [[ ${option[task]} == learn ]]; then
-  # In the units of the table: of the ticks 100 um, of the base 270 mm.
   say ""
-  say "wheels believed at first: 105.41 and 94.87 um/tick, base 220.00 mm"
-  say "                   truth: 100.20 and 99.80 um/tick, base 270.54 mm"
-  "$bin/waymark-log" evaluate "$log" | grep -A 1 "parameters  "
+  say "wheels, as believed (nominal), learned (online) and simulated (truth):"
+  "$bin/waymark-log" evaluate "$log" | grep -A 3 "parameters  "
 fi
 robot_files
 exit "$status"

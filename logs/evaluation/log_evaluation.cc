@@ -1,5 +1,6 @@
 #include "logs/evaluation/log_evaluation.h"
 
+#include "logs/evaluation/simulated_wheels.h"
 #include "processes/support/channels.h"
 
 #include <algorithm>
@@ -158,9 +159,17 @@ class Evaluator {
 void EvaluateParameters(const EvaluationOptions& options,
                         LogEvaluation* evaluation) {
   const auto& parameters = evaluation->recording.parameters;
+  std::optional<WheelParameters> truth;
+  const auto simulator = evaluation->recording.configs.find("simulator");
+  if (simulator != evaluation->recording.configs.end()) {
+    truth = SimulatedWheels(simulator->second);
+  }
   std::optional<WheelParameters> reference = options.known_parameters;
   if (reference) {
     evaluation->parameter_reference = "known";
+  } else if (truth) {
+    reference = truth;
+    evaluation->parameter_reference = "truth";
   } else if (const auto batch = parameters.find("batch");
              batch != parameters.end()) {
     reference = batch->second.back().parameters;
@@ -172,6 +181,12 @@ void EvaluateParameters(const EvaluationOptions& options,
     evaluation->parameters.push_back(
         {source, found->second, EvaluateConvergence(found->second, reference)});
   }
+  if (!truth || evaluation->parameters.empty()) return;
+  std::vector<ParameterSample> samples(1);
+  samples[0].time = evaluation->parameters[0].samples[0].time;
+  samples[0].parameters = *truth;
+  evaluation->parameters.push_back(
+      {"truth", samples, EvaluateConvergence(samples, {})});
 }
 
 void AddNotes(LogEvaluation* evaluation) {

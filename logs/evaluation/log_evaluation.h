@@ -41,7 +41,7 @@ struct EstimateEvaluation {
 };
 
 struct ParameterEvaluation {
-  std::string source;  // "online" or "batch", "nominal".
+  std::string source;  // "nominal", "online", "batch", "truth" (simulated).
   std::vector<ParameterSample> samples;
   ParameterConvergence convergence;
 };
@@ -57,7 +57,7 @@ struct LogEvaluation {
   std::vector<EstimateEvaluation> estimates;
   std::vector<ParameterEvaluation> parameters;
   std::optional<CorridorEvaluation> corridor;
-  std::string parameter_reference;  // "known", "batch" or empty.
+  std::string parameter_reference;  // "known", "truth", "batch" or empty.
   std::vector<std::string> notes;   // What is missing, one sentence each.
 
   [[nodiscard]] const EstimateEvaluation* Find(std::string_view id) const;

@@ -256,8 +256,9 @@ std::vector<Plot> ParameterPlots(const LogEvaluation& evaluation) {
     plot.height = 280;
     for (const auto& parameters : evaluation.parameters) {
       const bool is_nominal = parameters.source == "nominal";
+      const bool is_fixed = is_nominal || parameters.source == "truth";
       PlotSeries series;
-      series.label = parameters.source + (is_nominal ? "" : " ± 2 sigma");
+      series.label = parameters.source + (is_fixed ? "" : " ± 2 sigma");
       series.role = is_nominal ? "raw" : parameters.source;
       series.style =
           is_nominal ? PlotSeries::Style::kDashed : PlotSeries::Style::kLine;
@@ -266,9 +267,9 @@ std::vector<Plot> ParameterPlots(const LogEvaluation& evaluation) {
             {Seconds(sample.time - start),
              quantity.scale * sample.parameters.vector()(k)});
         series.half_width.push_back(
-            is_nominal ? 0.0
-                       : 2.0 * quantity.scale *
-                             std::sqrt(std::max(0.0, sample.covariance(k, k))));
+            is_fixed ? 0.0
+                     : 2.0 * quantity.scale *
+                           std::sqrt(std::max(0.0, sample.covariance(k, k))));
       }
       // A single value holds all along; the last of several to the end.
       if (series.points.size() == 1 && series.points[0].x > 0.0) {
@@ -278,7 +279,7 @@ std::vector<Plot> ParameterPlots(const LogEvaluation& evaluation) {
       }
       series.points.push_back({end_s, series.points.back().y});
       series.half_width.push_back(series.half_width.back());
-      if (is_nominal) series.half_width.clear();
+      if (is_fixed) series.half_width.clear();
       plot.series.push_back(std::move(series));
     }
     plots.push_back(std::move(plot));

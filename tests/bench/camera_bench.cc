@@ -2,6 +2,7 @@
 
 #include "estimation/camera/board_detector.h"
 #include "tests/bench/bench_report.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/opencv_cameras.h"
 #include "tests/support/board_views.h"
 #include "tests/support/real_data.h"
@@ -23,13 +24,6 @@ double Seconds() {
   return std::chrono::duration<double>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
-}
-
-double Median(std::vector<double> values) {
-  const auto middle =
-      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 BenchRow Row(const std::string& id,

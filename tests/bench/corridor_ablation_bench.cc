@@ -3,6 +3,7 @@
 #include "estimation/corridor/corridor_tracker.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/corridor_methods.h"
+#include "tests/bench/measure.h"
 
 #include <cmath>
 #include <cstddef>

@@ -5,6 +5,7 @@
 #include "tests/bench/bench_report.h"
 #include "tests/bench/corridor_pose_frames.h"
 #include "tests/bench/corridor_worst.h"
+#include "tests/bench/measure.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/ximgproc/edge_drawing.hpp>
@@ -57,12 +58,12 @@ Run RunWorld(const std::string& world,
   Run run;
   for (int i = 0; i < num_frames; ++i) {
     const CorridorPoseFrame frame = frames.Next();
-    const double begin = CpuMilliseconds();
+    const double begin = CpuSeconds();
     const LineSet seen = tracker.FindLines(frame.image);
     const CorridorEstimate found =
         tracker.EstimateFrom(seen, camera.X_RC, frame.corridor, frame.prior);
-    const double end = CpuMilliseconds();
-    run.score.Add(found, frame.X_LR, end - begin);
+    const double end = CpuSeconds();
+    run.score.Add(found, frame.X_LR, 1e3 * (end - begin));
     CorridorPrior lost = frame.prior;
     lost.X_LR.x = std::clamp(frame.X_LR.x + random.Normal(kHardlyKnownX),
                              frame.corridor.x_min,
@@ -71,10 +72,10 @@ Run RunWorld(const std::string& world,
     run.lost.Add(tracker.EstimateFrom(seen, camera.X_RC, frame.corridor, lost),
                  frame.X_LR,
                  0.0);
-    const double begin_drawing = CpuMilliseconds();
+    const double begin_drawing = CpuSeconds();
     drawing->detectEdges(frame.image);
     drawing->detectLines(lines);
-    run.edge_drawing_ms.push_back(CpuMilliseconds() - begin_drawing);
+    run.edge_drawing_ms.push_back(1e3 * (CpuSeconds() - begin_drawing));
     worst->Add(world + ", frame " + std::to_string(i),
                frame,
                found,

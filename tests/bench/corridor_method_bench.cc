@@ -5,6 +5,7 @@
 #include "tests/bench/bench_report.h"
 #include "tests/bench/corridor_methods.h"
 #include "tests/bench/corridor_pose_frames.h"
+#include "tests/bench/measure.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,6 +2,7 @@
 
 #include "estimation/camera/image_remap.h"
 #include "estimation/geometry/angle.h"
+#include "tests/bench/measure.h"
 
 #include <opencv2/core.hpp>
 
@@ -68,13 +69,13 @@ CorridorEstimate Answer(const Method& method,
 void AddTo(const Method& method, const Views& views, PoseScore* score) {
   LineExtractor extractor(method.options.lines);
   for (const CorridorPoseFrame& frame : views.frames) {
-    const double begin = CpuMilliseconds();
+    const double begin = CpuSeconds();
     const CorridorEstimate found = Answer(method,
                                           views,
                                           frame.corridor,
                                           extractor.Extract(frame.image),
                                           frame.prior);
-    score->Add(found, frame.X_LR, CpuMilliseconds() - begin);
+    score->Add(found, frame.X_LR, 1e3 * (CpuSeconds() - begin));
   }
 }
 

@@ -97,11 +97,6 @@ struct PoseScore {
   [[nodiscard]] double PercentBeyond(double sigmas) const;
 };
 
-// The smallest value that a share of them does not exceed; 0 of none.
-[[nodiscard]] double Quantile(std::vector<double> values, double share);
-// Of this process: other programs on the machine do not count.
-[[nodiscard]] double CpuMilliseconds();
-
 [[nodiscard]] BenchRow PoseRow(const std::string& id,
                                const std::string& name,
                                double value,

@@ -6,6 +6,7 @@
 #include "estimation/base/random.h"
 #include "estimation/geometry/angle.h"
 #include "processes/convert/world_file.h"
+#include "tests/bench/measure.h"
 #include "tests/support/real_data.h"
 
 #include <opencv2/core.hpp>
@@ -115,12 +116,6 @@ cv::Mat1b DrawnOf(const Scene& scene, const cv::Mat1i& surface) {
     }
   }
   return drawn;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 // How much of a segment can be seen: grey levels times root pixels.

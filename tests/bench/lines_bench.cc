@@ -4,90 +4,24 @@
 #include "estimation/lines/segment_merger.h"
 #include "estimation/lines/segmented_hough.h"
 #include "tests/bench/bench_report.h"
+#include "tests/bench/hough_accuracy.h"
 #include "tests/bench/line_frames.h"
+#include "tests/bench/line_race.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/edge_drawing.hpp>
 #include <opencv2/ximgproc/fast_line_detector.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <functional>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace waymark {
 namespace {
-
-// Of this process: other programs on the machine do not count.
-double TimeOf(const std::function<void()>& work) {
-  timespec begin{};
-  timespec end{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
-  work();
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
-  return static_cast<double>(end.tv_sec - begin.tv_sec) +
-         1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-struct Contender {
-  std::string name;
-  std::function<void(const LineFrame&)> run;
-  std::vector<double> seconds{};
-};
-
-// Interleaved: each frame by each in turn.
-void Race(const std::vector<LineFrame>& frames,
-          int num_rounds,
-          std::vector<Contender>* contenders) {
-  for (int round = 0; round < num_rounds; ++round) {
-    for (const LineFrame& frame : frames) {
-      for (Contender& c : *contenders) {
-        c.seconds.push_back(TimeOf([&] { c.run(frame); }));
-      }
-    }
-  }
-}
-
-BenchRow TimeRow(const std::string& id,
-                 const std::string& name,
-                 const Contender& ours,
-                 const Contender& peer) {
-  BenchRow row;
-  row.id = id;
-  row.name = name;
-  row.value = 1e3 * Median(ours.seconds);
-  row.unit = "ms";
-  row.peer = peer.name;
-  row.peer_value = 1e3 * Median(peer.seconds);
-  // Of each frame, not of the medians: what a frame costs varies with it.
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < ours.seconds.size(); ++i) {
-    ratios.push_back(peer.seconds[i] / ours.seconds[i]);
-  }
-  row.ratio = Median(ratios);
-  row.runs = static_cast<std::int64_t>(ours.seconds.size());
-  return row;
-}
-
-// cv::Canny's usual thresholds on unsmoothed Sobel sums.
-cv::Mat1b CannyOf(const cv::Mat1b& image) {
-  cv::Mat1b map;
-  cv::Canny(image, map, 50.0, 150.0);
-  return map;
-}
 
 std::vector<LineFrame> AllFrames(bool full) {
   std::vector<LineFrame> frames = RenderedLineFrames(full ? 40 : 10);
@@ -188,120 +122,6 @@ std::vector<BenchRow> BenchEdges(bool full) {
   return rows;
 }
 
-// How well lines, of whatever length, lie on an exact edge: of those that pass
-// both its ends within 1.5 px the nearest.
-struct EdgeOffset {
-  double middle_px = 0.0;  // Of the edge from the line,
-  double far_px = 0.0;     // and of the end where it is farther.
-};
-
-// Of each edge of 20 px or more, in order; nullopt where no line is near.
-std::vector<std::optional<EdgeOffset>> OffsetsOf(
-    const std::vector<LineFrame>& frames,
-    const std::vector<std::vector<FoundSegment>>& found) {
-  std::vector<std::optional<EdgeOffset>> offsets;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    for (const TrueEdge& edge : frames[f].edges) {
-      if ((edge.b - edge.a).norm() < 20.0) continue;
-      std::optional<EdgeOffset> nearest;
-      for (const FoundSegment& line : found[f]) {
-        const Eigen::Vector2d d = (line.b - line.a).normalized();
-        const Eigen::Vector2d n(-d.y(), d.x());
-        const double at_a = n.dot(edge.a - line.a);
-        const double at_b = n.dot(edge.b - line.a);
-        const double far_px = std::max(std::abs(at_a), std::abs(at_b));
-        const double middle_px = 0.5 * std::abs(at_a + at_b);
-        if (far_px > 1.5 || (nearest && middle_px > nearest->middle_px)) {
-          continue;
-        }
-        nearest = EdgeOffset{middle_px, far_px};
-      }
-      offsets.push_back(nearest);
-    }
-  }
-  return offsets;
-}
-
-// The whole of each line of cv::HoughLines.
-std::vector<FoundSegment> WholeLines(const std::vector<cv::Vec2f>& lines) {
-  constexpr double kFar = 2000.0;  // px; beyond any corner.
-  std::vector<FoundSegment> found;
-  for (const cv::Vec2f& line : lines) {
-    const double angle = static_cast<double>(line[1]);
-    const Eigen::Vector2d n(std::cos(angle), std::sin(angle));
-    const Eigen::Vector2d foot = static_cast<double>(line[0]) * n;
-    const Eigen::Vector2d d(-n.y(), n.x());
-    found.push_back({foot - kFar * d, foot + kFar * d});
-  }
-  return found;
-}
-
-// Beside the lines of cv::HoughLines, on the same edge maps.
-template <typename FindFunction>
-std::vector<BenchRow> AccuracyRows(const std::vector<LineFrame>& rendered,
-                                   const FindFunction& find) {
-  std::vector<std::vector<FoundSegment>> ours;
-  std::vector<std::vector<FoundSegment>> theirs;
-  for (const LineFrame& frame : rendered) {
-    const cv::Mat1b map = CannyOf(frame.image);
-    ours.push_back(find(map));
-    std::vector<cv::Vec2f> lines;
-    cv::HoughLines(map, lines, 1.0, CV_PI / 180.0, 120);
-    theirs.push_back(WholeLines(lines));
-  }
-  const auto our = OffsetsOf(rendered, ours);
-  const auto their = OffsetsOf(rendered, theirs);
-  // Short edges are harder: only those count that both found.
-  std::array<std::vector<double>, 2> middle;
-  std::array<std::vector<double>, 2> far_end;
-  std::int64_t num_ours = 0;
-  std::int64_t num_theirs = 0;
-  for (std::size_t i = 0; i < our.size(); ++i) {
-    num_ours += our[i] ? 1 : 0;
-    num_theirs += their[i] ? 1 : 0;
-    if (!our[i] || !their[i]) continue;
-    middle[0].push_back(our[i]->middle_px);
-    middle[1].push_back(their[i]->middle_px);
-    far_end[0].push_back(our[i]->far_px);
-    far_end[1].push_back(their[i]->far_px);
-  }
-  const auto row_of = [](const std::string& name, double ours_px, double peer) {
-    BenchRow row;
-    row.id = "Y4";
-    row.name = "8x8 words: " + name;
-    row.value = ours_px;
-    row.unit = "px";
-    row.peer = "cv::HoughLines 1 px 1 degree";
-    row.peer_value = peer;
-    row.ratio = peer / std::max(1e-9, ours_px);
-    row.goal = "no worse";
-    row.holds = ours_px <= peer;
-    return row;
-  };
-  std::vector<BenchRow> rows;
-  if (!middle[0].empty()) {
-    rows.push_back(row_of("offset from exact edges that both found, median",
-                          Median(middle[0]),
-                          Median(middle[1])));
-    rows.push_back(row_of("the same at the edge's farther end, median",
-                          Median(far_end[0]),
-                          Median(far_end[1])));
-    for (BenchRow& row : rows) {
-      row.runs = static_cast<std::int64_t>(middle[0].size());
-    }
-  }
-  BenchRow count = row_of("exact edges found",
-                          static_cast<double>(num_ours),
-                          static_cast<double>(num_theirs));
-  count.unit = "";
-  count.ratio = count.value / std::max(1.0, *count.peer_value);
-  count.goal.clear();
-  count.holds.reset();
-  count.runs = static_cast<std::int64_t>(our.size());
-  rows.push_back(count);
-  return rows;
-}
-
 // ---- Y2, Y4: segments of an edge map ---------------------------------------
 
 std::vector<BenchRow> BenchHough(bool full) {
@@ -369,7 +189,7 @@ std::vector<BenchRow> BenchHough(bool full) {
     row.unit = "at precision " + std::to_string(score.precision).substr(0, 4);
     rows.push_back(row);
   }
-  for (BenchRow& row : AccuracyRows(rendered, [&](const cv::Mat1b& map) {
+  for (BenchRow& row : HoughAccuracyRows(rendered, [&](const cv::Mat1b& map) {
          return FoundFrom(segments_of(words, map));
        })) {
     rows.push_back(std::move(row));

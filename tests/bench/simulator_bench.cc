@@ -4,6 +4,7 @@
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/texture_sampler.h"
 #include "tests/bench/bench_report.h"
+#include "tests/bench/measure.h"
 #include "tests/support/box_scene.h"
 
 #include <embree3/rtcore.h>
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <limits>
 #include <string>
@@ -26,24 +26,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 // Of this process: other programs on the machine do not count.
-double CpuSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) +
-         1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-double TimeOf(const std::function<void()>& work) {
-  const double begin = CpuSeconds();
-  work();
-  return CpuSeconds() - begin;
-}
-
 // A mirror camera that looks up at its mirror.
 Isometry3d UpPose(const Vector3d& p_W) {
   Isometry3d X_WC = Isometry3d::Identity();
@@ -203,12 +185,12 @@ std::vector<BenchRow> BenchRays(bool full) {
     std::vector<double> depth_s;
     double sum = 0.0;
     for (int i = 0; i < num_runs; ++i) {
-      bare_s.push_back(TimeOf([&] { sum += bare.Run(); }));
-      shaded_s.push_back(TimeOf([&] {
+      bare_s.push_back(CpuSecondsOf([&] { sum += bare.Run(); }));
+      shaded_s.push_back(CpuSecondsOf([&] {
         sum += renderer.Render(camera, view.X_WC, stage.X_WP, shaded)
                    .image(0, 0)[0];
       }));
-      depth_s.push_back(TimeOf([&] {
+      depth_s.push_back(CpuSecondsOf([&] {
         sum += static_cast<double>(
             renderer.Render(camera, view.X_WC, stage.X_WP, depth).depth(0, 0));
       }));
@@ -262,9 +244,11 @@ std::vector<BenchRow> BenchFrames(bool full) {
     std::vector<double> live_s;
     std::vector<double> still_s;
     for (int i = 0; i < num_runs; ++i) {
-      live_s.push_back(TimeOf([&] { live = render(RenderQuality::kLive); }));
+      live_s.push_back(
+          CpuSecondsOf([&] { live = render(RenderQuality::kLive); }));
       if (i % 5 != 0) continue;
-      still_s.push_back(TimeOf([&] { still = render(RenderQuality::kStill); }));
+      still_s.push_back(
+          CpuSecondsOf([&] { still = render(RenderQuality::kStill); }));
     }
     BenchRow frames;
     frames.id = "simulator-frames";
@@ -305,7 +289,7 @@ std::vector<BenchRow> BenchLight(bool full) {
   std::vector<double> seconds;
   double num_bytes = 0.0;
   for (int i = 0; i < num_runs; ++i) {
-    seconds.push_back(TimeOf([&] {
+    seconds.push_back(CpuSecondsOf([&] {
       const Renderer renderer(stage.scene);
       num_bytes = static_cast<double>(renderer.num_bytes());
     }));
@@ -344,10 +328,11 @@ std::vector<BenchRow> BenchTextures(bool full) {
     double num_pixels = 0.0;
     for (int i = 0; i < num_runs; ++i) {
       cv::Mat3b image;
-      draw_s.push_back(TimeOf([&] { image = MakePattern(options).image; }));
-      filter_s.push_back(TimeOf([&] { TextureSampler{image}; }));
+      draw_s.push_back(
+          CpuSecondsOf([&] { image = MakePattern(options).image; }));
+      filter_s.push_back(CpuSecondsOf([&] { TextureSampler{image}; }));
       peer_s.push_back(
-          TimeOf([&] { image = cv::imdecode(png, cv::IMREAD_COLOR); }));
+          CpuSecondsOf([&] { image = cv::imdecode(png, cv::IMREAD_COLOR); }));
       num_pixels = static_cast<double>(image.total());
     }
     const auto row = [&](const std::string& what, double seconds) {

@@ -9,6 +9,7 @@
 #include "estimation/lines/vanishing_point.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/line_frames.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/vanishing_peers.h"
 #include "tests/support/york_urban.h"
 
@@ -19,7 +20,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <optional>
 #include <string>
@@ -32,29 +32,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-// Of this process: other programs on the machine do not count.
-double TimeOf(const std::function<void()>& work) {
-  timespec begin{};
-  timespec end{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
-  work();
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
-  return static_cast<double>(end.tv_sec - begin.tv_sec) +
-         1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
-}
-
-// The smallest value that a share of them does not exceed; 0 of none.
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const auto rank = static_cast<std::size_t>(
-      std::ceil(share * static_cast<double>(values.size())));
-  return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
-}
-double Median(const std::vector<double>& values) {
-  return Quantile(values, 0.5);
-}
 
 BenchRow Row(const std::string& id,
              const std::string& name,
@@ -133,7 +110,7 @@ Outcome Measure(const std::vector<CorridorLines>& frames,
   for (const CorridorLines& frame : frames) {
     ++outcome.num_frames;
     std::optional<Vector3d> found;
-    outcome.seconds.push_back(TimeOf([&] { found = find(frame); }));
+    outcome.seconds.push_back(CpuSecondsOf([&] { found = find(frame); }));
     if (!found) continue;
     const double angle =
         std::atan2(found->cross(frame.axis_C).norm(), found->dot(frame.axis_C));
@@ -307,10 +284,11 @@ std::vector<BenchRow> BenchRemoval(bool full) {
     FurthestRemoval removal;
     std::vector<int> plain;
     for (int i = 0; i < (num > 4000 ? 1 : 5); ++i) {
-      ours.push_back(TimeOf([&] { removal = RemoveFurthest(points, kKept); }));
+      ours.push_back(
+          CpuSecondsOf([&] { removal = RemoveFurthest(points, kKept); }));
       if (!has_peer) continue;
       peers.push_back(
-          TimeOf([&] { plain = PlainFurthestRemoval(points, kKept); }));
+          CpuSecondsOf([&] { plain = PlainFurthestRemoval(points, kKept); }));
     }
     const std::string of = " of " + std::to_string(num) + " points";
     rows.push_back(
@@ -462,7 +440,7 @@ std::vector<BenchRow> BenchYork(bool full) {
     };
     for (Method& method : methods) {
       std::optional<Matrix3d> found;
-      method.seconds.push_back(TimeOf([&] { found = method.find(i); }));
+      method.seconds.push_back(CpuSecondsOf([&] { found = method.find(i); }));
       // No answer: as wrong as can be.
       if (!found) method.angles_deg.insert(method.angles_deg.end(), 3, 90.0);
       if (found) judge(*found, &method);

@@ -1,15 +1,13 @@
 #include "processes/tools/task/task_tool.h"
 
 #include "estimation/base/input_error.h"
-#include "estimation/geometry/angle.h"
-#include "planner/control/corridor_way.h"
-#include "processes/convert/corridor_file.h"
 #include "processes/convert/task_convert.h"
 #include "processes/support/channels.h"
-#include "processes/support/decode.h"
-#include "processes/support/lcm_url.h"
 #include "processes/support/run_tool.h"
+#include "processes/tools/task/corridor_task.h"
 #include "processes/tools/task/corridor_watch.h"
+#include "processes/tools/task/talk.h"
+#include "processes/tools/task/task_places.h"
 
 #include <waymark/corridor_pose_t.hpp>
 #include <waymark/pose_t.hpp>
@@ -20,22 +18,15 @@
 #include <waymark/velocity_t.hpp>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <lcm/lcm-cpp.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace waymark {
@@ -45,9 +36,6 @@ using Steady = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr char kName[] = "waymark-task";
-// What may have been lost, or come before its receiver, is sent again.
-constexpr milliseconds kRepeat{500};
-constexpr milliseconds kLook{50};  // How late an answer may be seen.
 // A line at least so often while the robot drives.
 constexpr milliseconds kLinePeriod{2000};
 // A follower that was restarted is idle until its first pose.
@@ -57,11 +45,8 @@ struct TaskOptions {
   std::string url;
   double timeout_s = 5.0;
   std::vector<std::string> places;
-  std::string corridors;
-  std::string corridor;  // Of them; empty: by `start`, or the first.
-  std::string start;     // Where the robot stands; empty: anywhere.
+  CorridorTask corridor;
   bool check = false;
-  CorridorWayOptions way;
   double speed = 0.0;
   bool follow = false;
 };
@@ -72,108 +57,10 @@ std::int64_t WallUtime() {
       .count();
 }
 
-// "x,y" or "x,y,heading in degrees".
-Waypoint WaypointFromText(const std::string& text) {
-  std::vector<double> numbers;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  bool is_good = true;
-  while (is_good) {
-    double value = 0.0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    // Beyond this nothing is a place in a building.
-    is_good = error == std::errc() && std::abs(value) <= 1e6;
-    numbers.push_back(value);
-    at = next;
-    if (at == end || *at != ',') break;
-    ++at;
-  }
-  if (!is_good || at != end || numbers.size() < 2 || numbers.size() > 3) {
-    throw InputError("'" + text +
-                     "' is no place: x,y or x,y,heading (m, m, deg), each "
-                     "within +-1e6");
-  }
-  Waypoint waypoint{{numbers[0], numbers[1]}, {}};
-  if (numbers.size() == 3) {
-    waypoint.heading = WrapAngle(RadiansFromDegrees(numbers[2]));
-  }
-  return waypoint;
-}
-
 std::vector<Waypoint> PlacesOf(const TaskOptions& options) {
   std::vector<Waypoint> waypoints;
   for (const std::string& place : options.places) {
     waypoints.push_back(WaypointFromText(place));
-  }
-  return waypoints;
-}
-
-bool IsIn(const CorridorGeometry& corridor, const Eigen::Vector2d& p_W) {
-  const Eigen::Vector2d p_L = Inverse(corridor.X_WL) * p_W;
-  return p_L.x() >= corridor.x_min && p_L.x() <= corridor.x_max &&
-         (!corridor.width || std::abs(p_L.y()) <= 0.5 * *corridor.width);
-}
-
-CorridorGeometry CorridorOf(const TaskOptions& options) {
-  std::vector<CorridorGeometry> corridors =
-      LoadCorridorFile(FindCorridorFile(options.corridors));
-  std::string known;
-  for (const CorridorGeometry& corridor : corridors) {
-    known += (known.empty() ? "" : ", ") + corridor.name;
-  }
-  if (!options.corridor.empty()) {
-    std::erase_if(corridors, [&](const CorridorGeometry& corridor) {
-      return corridor.name != options.corridor;
-    });
-    if (corridors.empty()) {
-      throw InputError("--corridor: no '" + options.corridor + "' in " +
-                       options.corridors + ", which has " + known);
-    }
-  }
-  if (!options.start.empty()) {
-    const Eigen::Vector2d start = WaypointFromText(options.start).p_W;
-    std::erase_if(corridors, [&](const CorridorGeometry& corridor) {
-      return !IsIn(corridor, start);
-    });
-    if (corridors.empty()) {
-      throw InputError(
-          "--start: the robot at " + options.start + " is not in " +
-          (options.corridor.empty() ? "any of " + known : options.corridor));
-    }
-  }
-  return corridors.front();
-}
-
-// Throws InputError where the way leaves the corridor.
-void CheckWay(const CorridorWayOptions& way, const CorridorGeometry& corridor) {
-  const double end = way.begin + way.length;
-  if (way.begin < corridor.x_min || end > corridor.x_max) {
-    throw InputError(fmt::format(
-        "--begin, --length: the way is from {:g} to {:g} m, {} from {:g} to "
-        "{:g}",
-        way.begin,
-        end,
-        corridor.name,
-        corridor.x_min,
-        corridor.x_max));
-  }
-  if (corridor.width && way.zigzag >= 0.5 * *corridor.width) {
-    throw InputError(
-        fmt::format("--zigzag: {:g} m to both sides, {} is {:g} m "
-                    "wide",
-                    way.zigzag,
-                    corridor.name,
-                    *corridor.width));
-  }
-}
-
-// In W.
-std::vector<Waypoint> CorridorWaypoints(const TaskOptions& options) {
-  const CorridorGeometry corridor = CorridorOf(options);
-  CheckWay(options.way, corridor);
-  std::vector<Waypoint> waypoints;
-  for (const Eigen::Vector2d& p_L : CorridorWay(options.way)) {
-    waypoints.push_back({corridor.X_WL * p_L, {}});
   }
   return waypoints;
 }
@@ -184,72 +71,6 @@ std::string Printable(std::string text) {
       text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return text;
 }
-
-// Sends something until it is answered, and listens.
-class Talk {
- public:
-  explicit Talk(const TaskOptions& options) : timeout_s_(options.timeout_s) {
-    const std::string url = WithGrantedBuffer(LcmUrl(options.url));
-    CheckLcmReachable(url);
-    lcm_ = std::make_unique<lcm::LCM>(url);
-    if (!lcm_->good()) throw InputError("LCM cannot be created with " + url);
-  }
-
-  template <typename M>
-  void Listen(std::string_view channel, std::function<void(const M&)> handler) {
-    handlers_.push_back([handler](std::span<const std::uint8_t> data) {
-      if (const auto message = DecodeMessage<M>(data)) handler(*message);
-    });
-    lcm_->subscribe(std::string(channel), &Talk::OnMessage, this);
-    channels_.emplace_back(channel);
-  }
-
-  template <typename M>
-  void Send(std::string_view channel, const M& message) {
-    lcm_->publish(std::string(channel), &message);
-  }
-
-  // Handles what comes for a moment.
-  void Look() {
-    if (lcm_->handleTimeout(static_cast<int>(kLook.count())) < 0) {
-      throw std::runtime_error("LCM stopped working");
-    }
-  }
-
-  // Sends again and again until `is_answered`; false once the time has passed.
-  template <typename M>
-  bool SendUntil(std::string_view channel,
-                 const M& message,
-                 const std::function<bool()>& is_answered) {
-    const auto end =
-        Steady::now() + std::chrono::duration_cast<Steady::duration>(
-                            std::chrono::duration<double>(timeout_s_));
-    Steady::time_point next = Steady::now();
-    while (!is_answered()) {
-      if (Steady::now() >= end) return false;
-      if (Steady::now() >= next) {
-        Send(channel, message);
-        next = Steady::now() + kRepeat;
-      }
-      Look();
-    }
-    return true;
-  }
-
- private:
-  void OnMessage(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-    for (std::size_t i = 0; i < channels_.size(); ++i) {
-      if (channels_[i] != channel) continue;
-      handlers_[i](
-          {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size});
-    }
-  }
-
-  double timeout_s_;
-  std::unique_ptr<lcm::LCM> lcm_;
-  std::vector<std::string> channels_;
-  std::vector<std::function<void(std::span<const std::uint8_t>)>> handlers_;
-};
 
 int Complain(const std::string& text) {
   std::fprintf(stderr, "%s: %s\n", kName, text.c_str());
@@ -315,7 +136,7 @@ int SendTask(const std::string& kind,
   task.kind = kind;
   task.max_speed = options.speed;
   task.waypoints = waypoints;
-  Talk talk(options);
+  Talk talk(options.url, options.timeout_s);
   Progress progress(Microseconds(task.time));
   CorridorWatch watch;
   talk.Listen<task_status_t>(
@@ -352,7 +173,7 @@ int Cancel(const TaskOptions& options) {
   task.time = TimeFromMicroseconds(WallUtime());
   task.source = kName;
   task.kind = "none";
-  Talk talk(options);
+  Talk talk(options.url, options.timeout_s);
   // Who says what since it was sent; 0: nothing is under way.
   std::map<std::string, std::int64_t> tasks;
   talk.Listen<task_status_t>(kTaskStatus, [&](const task_status_t& m) {
@@ -361,7 +182,7 @@ int Cancel(const TaskOptions& options) {
   talk.Send(kTask, ToMessage(task, 0));
   const auto sent = Steady::now();
   const auto is_answered = [&] {
-    return Steady::now() - sent > kRepeat && !tasks.empty() &&
+    return Steady::now() - sent > Talk::kRepeat && !tasks.empty() &&
            std::all_of(tasks.begin(), tasks.end(), [](const auto& entry) {
              return entry.second == 0;
            });
@@ -375,7 +196,7 @@ int SendStop(bool is_stopped, const TaskOptions& options) {
   stop.utime = WallUtime();
   stop.source = kName;
   stop.is_stopped = is_stopped ? 1 : 0;
-  Talk talk(options);
+  Talk talk(options.url, options.timeout_s);
   bool is_answered = false;
   talk.Listen<velocity_t>(kMotionCommand, [&](const velocity_t& m) {
     const bool says_stopped = m.reason.rfind("stopped", 0) == 0;
@@ -402,21 +223,22 @@ void AddCommonOptions(CLI::App* command, TaskOptions* options) {
 }
 
 void AddWayOptions(CLI::App* command, TaskOptions* options) {
+  CorridorTask* task = &options->corridor;
   command
       ->add_option("CORRIDOR",
-                   options->corridors,
+                   task->corridors,
                    "Corridor file, or one that comes with Waymark")
       ->required();
   command->add_option("--corridor",
-                      options->corridor,
+                      task->corridor,
                       "Name of the one in the file (default: the one with "
                       "--start, or the first)");
   command->add_option("--start",
-                      options->start,
+                      task->start,
                       "X,Y in m: where the robot stands, which must be in it");
   command->add_flag(
       "--check", options->check, "Say whether that can be driven, and end");
-  CorridorWayOptions* way = &options->way;
+  CorridorWayOptions* way = &task->way;
   const auto add =
       [&](const char* name, double* value, double from, const char* help) {
         RequireRange(command->add_option(name, *value, help), from, 1000.0)
@@ -475,7 +297,7 @@ int RunTaskTool(int argc, char** argv) {
         add_places("tour", "The same on TRUTH, for teaching");
         CLI::App* corridor = add(
             "corridor", "Drives to and fro in a corridor, on POSE", [options] {
-              const auto waypoints = CorridorWaypoints(*options);
+              const auto waypoints = CorridorWaypoints(options->corridor);
               if (options->check) return 0;
               return SendTask("waypoints", waypoints, *options);
             });

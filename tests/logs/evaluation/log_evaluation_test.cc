@@ -88,6 +88,28 @@ TEST_F(LogEvaluationTest, FollowsTheParametersToTheBatchResult) {
   EXPECT_LT(online.convergence.normalised_error(2), 3.0);
 }
 
+TEST_F(LogEvaluationTest, KnowsTheTrueWheelsOfASimulation) {
+  const std::vector<std::string> paths{Path("run.lcm")};
+  WriteSyntheticLog(paths[0], {});
+  LogRecording recording = ReadRecording(paths);
+  recording.configs["simulator"] =
+      "robot: {meters_per_tick: 1e-04, wheel_base: 0.25}\n"
+      "noise: {right_wheel_factor: 1.1, left_wheel_factor: 0.9, "
+      "wheel_base_factor: 1.2}\n";
+  const LogEvaluation e = EvaluateRecording(recording, {});
+  EXPECT_EQ(e.parameter_reference, "truth");
+  ASSERT_EQ(e.parameters.size(), 4u);
+  EXPECT_EQ(e.parameters[3].source, "truth");
+  const Eigen::Vector3d truth = e.parameters[3].convergence.final.vector();
+  EXPECT_TRUE(truth.isApprox(Eigen::Vector3d(1.1e-4, 0.9e-4, 0.3), 1e-12));
+  EXPECT_THAT(TableOf(e), HasSubstr("truth                      110.0000"));
+  // What is no configuration of a simulator is none.
+  for (const char* yaml : {"", "robot: 3\n", "robot: {", "noise: []\n"}) {
+    recording.configs["simulator"] = yaml;
+    EXPECT_EQ(EvaluateRecording(recording, {}).parameter_reference, "batch");
+  }
+}
+
 TEST_F(LogEvaluationTest, ReadsHealth) {
   const LogEvaluation e = Evaluate({});
   const LogRecording& r = e.recording;
