@@ -32,8 +32,6 @@ constexpr float kOverlapPx = 2.0f;
 // much it may seem to turn there: the error of some pixels in a row.
 constexpr float kSidePx = 2.0f;
 constexpr float kTurn = 0.35f;
-// Smaller pieces only continue others: their own direction says too little.
-constexpr std::int32_t kFirstPixels = 5;
 // Two continuations that differ by less fit equally well: the nearer one is
 // taken. Mean square, px^2.
 constexpr double kSameError = 1e-6;
@@ -117,7 +115,7 @@ void SegmentMerger::FillCells(const LineParts& parts, int width, int height) {
     pieces_.part[at] = static_cast<std::int32_t>(i);
     return static_cast<std::int32_t>(at);
   };
-  if (!parts.tiles.empty() && cells_per_px_ * kTileSide == 1.0f) {
+  if (!parts.tiles.empty() && AreTilesCells()) {
     // Tiles are cells, and in order.
     pieces_.Resize(num_parts);
     for (std::size_t i = 0; i < num_parts; ++i) {
@@ -154,6 +152,10 @@ void SegmentMerger::FillCells(const LineParts& parts, int width, int height) {
     if (a == b) continue;
     entries_of_[i][1] = put(static_cast<std::size_t>(--first_[b]), i);
   }
+}
+
+bool SegmentMerger::AreTilesCells() const {
+  return cells_per_px_ * kTileSide == 1.0f;
 }
 
 int SegmentMerger::CellOf(float value) const {
@@ -209,7 +211,7 @@ bool SegmentMerger::Extend(const LineParts& parts) {
   const int row = CellOf(y);
   const int left = std::max(0, column - 1);
   const int right = std::min(num_columns_ - 1, column + 1);
-  const int top = std::max(0, row - 1);
+  const int top = std::max(first_row_, row - 1);
   const int bottom = std::min(num_rows_ - 1, row + 1);
   const LineEnd line{x,
                      y,
@@ -369,12 +371,15 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
   FillCells(parts, width, height);
   near_.resize(pieces_.part.size());
   is_used_.assign(parts.parts.size(), 0);
+  const bool is_ordered = !parts.tiles.empty() && AreTilesCells();
   for (std::size_t i = 0; i < parts.parts.size(); ++i) {
     const LinePart& part = parts.parts[i];
-    if (is_used_[i] || part.num_pixels < kFirstPixels) continue;
+    if (is_used_[i] != 0) continue;
     Use(i);
     trace_.moments = part.moments;
     trace_.direction = ScaledFit(part.moments).Direction(part.b - part.a);
+    // Of tiles, in order, all pieces above are used.
+    first_row_ = is_ordered ? CellOf(part.a.y()) : 0;
     trace_.ahead.assign(1, static_cast<std::int32_t>(2 * i));
     trace_.behind.clear();
     trace_.a = part.a;

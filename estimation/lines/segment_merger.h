@@ -71,6 +71,7 @@ class SegmentMerger {
     float step = 0.0f;   // To its nearer end, along the trace.
   };
 
+  [[nodiscard]] bool AreTilesCells() const;
   [[nodiscard]] int CellOf(float value) const;
   void FillCells(const LineParts& parts, int width, int height);
   // Joins the best piece at the end b of the trace; false where there is none.
@@ -100,6 +101,7 @@ class SegmentMerger {
   std::vector<std::array<std::int32_t, 2>> entries_of_;  // Of each part.
   std::vector<char> is_used_;
   Trace trace_;
+  int first_row_ = 0;  // Of cells, where there may be unused pieces.
   FindNearPieces find_near_ = ChooseFindNearPieces();
   std::vector<std::int32_t> near_;  // Of pieces_, as found.
   std::vector<float> places_;       // Along the trace, of its pixels.

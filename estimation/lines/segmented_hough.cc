@@ -237,7 +237,9 @@ void SegmentedHough::FindLiteral(const EdgeImage& edges,
   }
 }
 
-void SegmentedHough::FindWords(const EdgeImage& edges, LineParts* parts) const {
+// Flat: its steps are short, and a call for each costs a tenth.
+__attribute__((flatten)) void SegmentedHough::FindWords(
+    const EdgeImage& edges, LineParts* parts) const {
   const double limit = options_.max_rms_px * options_.max_rms_px;
   const auto emit = [&](Word pixels, const TileSums& sums, int ox, int oy) {
     const bool is_wide = sums.Sxx() >= sums.Syy();

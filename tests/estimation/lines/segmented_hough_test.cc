@@ -131,6 +131,27 @@ TEST(SegmentedHough, ADrawnLineIsOneSegment) {
   }
 }
 
+// A diagonal passes all tiles at the same distance from their corners: in
+// pieces of four pixels at the worst.
+TEST(SegmentedHough, ADiagonalIsOneSegmentWhereverItPasses) {
+  for (const HoughForm form : kForms) {
+    for (int x = 20; x < 30; ++x) {
+      for (const int step : {1, -1}) {
+        SCOPED_TRACE(x * step);
+        cv::Mat1b map(120, 120, std::uint8_t{0});
+        for (int i = 0; i < 80; ++i) {
+          map(20 + i, step > 0 ? x + i : 119 - x - i) = 255;
+        }
+        const LineSet set = SegmentsOf(map, form);
+        ASSERT_EQ(set.segments.size(), 1u);
+        const LineSegment& s = set.segments[0];
+        // Three pixels at both ends are no piece.
+        EXPECT_GE((s.b - s.a).norm(), 73.0 * std::sqrt(2.0) - 1e-9);
+      }
+    }
+  }
+}
+
 TEST(SegmentedHough, ACornerIsTwoSegments) {
   for (const HoughForm form : kForms) {
     cv::Mat1b map(120, 120, std::uint8_t{0});
