@@ -243,6 +243,20 @@ constexpr EdgeRowLoops kWide{WideSmoothDown,
                              WideTwoAxes,
                              WideFourDirections,
                              WidePackNotZero};
+
+__attribute__((target("avx512bw"))) void WidestPackNotZero(
+    const uint8_t* bytes, int num_words, std::uint64_t* bits) {
+  for (int i = 0; i < num_words; ++i, bytes += 64) {
+    const __m512i v = _mm512_loadu_si512(bytes);
+    bits[i] = _mm512_test_epi8_mask(v, v);
+  }
+}
+constexpr EdgeRowLoops kWidest{WideSmoothDown,
+                               WideSmoothAlong,
+                               WideDifferentiate,
+                               WideTwoAxes,
+                               WideFourDirections,
+                               WidestPackNotZero};
 #endif
 
 }  // namespace
@@ -273,6 +287,7 @@ const EdgeRowLoops& PortableEdgeRowLoops() {
 
 const EdgeRowLoops& WideEdgeRowLoops() {
 #if defined(WAYMARK_WIDE_ROWS)
+  if (__builtin_cpu_supports("avx512bw") != 0) return kWidest;
   if (HasWideEdgeRows()) return kWide;
 #endif
   return kPortable;

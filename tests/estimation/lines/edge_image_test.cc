@@ -1,6 +1,7 @@
 #include "estimation/lines/edge_image.h"
 
 #include "estimation/base/random.h"
+#include "estimation/lines/edge_rows.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -90,6 +92,24 @@ TEST(EdgeImage, WideAndPortableLoopsAgree) {
           ASSERT_EQ(a.dy[a.IndexOf(x, y)], b.dy[b.IndexOf(x, y)]);
         }
       }
+    }
+  }
+}
+
+TEST(EdgeImage, BitsAreTheBytesThatAreNotZero) {
+  Random random(SeedFor(9, "EdgeImage.Bits"));
+  std::vector<std::uint8_t> bytes(64 * 9);
+  for (std::uint8_t& byte : bytes) {
+    byte = random.Uniform() < 0.5
+               ? 0
+               : static_cast<std::uint8_t>(1 << (random.Index(8)));
+  }
+  for (const EdgeRowLoops* loops :
+       {&PortableEdgeRowLoops(), &WideEdgeRowLoops()}) {
+    std::vector<std::uint64_t> bits(9);
+    loops->pack_not_zero(bytes.data(), 9, bits.data());
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      ASSERT_EQ(bits[i / 64] >> (i % 64) & 1, bytes[i] != 0 ? 1u : 0u);
     }
   }
 }
