@@ -117,7 +117,7 @@ void LineExtractor::Refine(const LineSet& coarse,
     set->pixels.resize(static_cast<std::size_t>(refined.first_pixel));
     return;
   }
-  SetSegmentErrors(std::sqrt(fit.across), &refined);
+  SetSegmentErrors(fit.across, (refined.b - refined.a).norm(), &refined);
   set->segments.push_back(refined);
 }
 

@@ -327,8 +327,9 @@ void SegmentMerger::SortAlong(const Eigen::Vector2f& direction,
 
 void SegmentMerger::Emit(const LineParts& parts, LineSet* set) {
   // Pixels of the pieces may reach a little beyond the ends of the trace.
-  if ((trace_.b - trace_.a).norm() + 2.0f * kOverlapPx <
-      static_cast<float>(options_.min_length_px)) {
+  const float least =
+      static_cast<float>(options_.min_length_px) - 2.0f * kOverlapPx;
+  if (least > 0.0f && (trace_.b - trace_.a).squaredNorm() < least * least) {
     return;
   }
   LineSegment segment;
@@ -346,16 +347,15 @@ void SegmentMerger::Emit(const LineParts& parts, LineSet* set) {
       static_cast<std::int32_t>(set->pixels.size()) - segment.first_pixel;
   const auto begin = set->pixels.begin() + segment.first_pixel;
   SortAlong(d, &*begin, static_cast<std::size_t>(segment.num_pixels));
-  const auto on_line = [&](const Eigen::Vector2f& p) -> Eigen::Vector2d {
-    return fit.mean + fit.Along(p.cast<double>()) * fit.direction;
-  };
-  segment.a = on_line(*begin);
-  segment.b = on_line(set->pixels.back());
-  if ((segment.b - segment.a).norm() < options_.min_length_px) {
+  const double first = fit.Along(begin->cast<double>());
+  const double last = fit.Along(set->pixels.back().cast<double>());
+  if (last - first < options_.min_length_px) {
     set->pixels.resize(static_cast<std::size_t>(segment.first_pixel));
     return;
   }
-  SetSegmentErrors(std::sqrt(fit.across), &segment);
+  segment.a = fit.mean + first * fit.direction;
+  segment.b = fit.mean + last * fit.direction;
+  SetSegmentErrors(fit.across, last - first, &segment);
   set->segments.push_back(segment);
 }
 
@@ -398,15 +398,12 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
 
 // A uniform row of n independent errors s across a length L: s / sqrt(n) at
 // the middle, s sqrt(12 / n) / L in direction.
-void SetSegmentErrors(double across_px, LineSegment* segment) {
-  const double length = std::max(1.0, (segment->b - segment->a).norm());
+void SetSegmentErrors(double across, double length, LineSegment* segment) {
   const double num = std::max(1.0, segment->num_pixels / kPixelsOfOneError);
-  const double error = across_px / std::sqrt(num);
-  segment->sigma_px =
-      std::sqrt(error * error + kOffsetFloorPx * kOffsetFloorPx);
-  segment->sigma_rad = std::sqrt(12.0) *
-                       std::sqrt(error * error + kTurnFloorPx * kTurnFloorPx) /
-                       length;
+  const double error = across / num;
+  segment->sigma_px = std::sqrt(error + kOffsetFloorPx * kOffsetFloorPx);
+  segment->sigma_rad = std::sqrt(12.0 * (error + kTurnFloorPx * kTurnFloorPx)) /
+                       std::max(1.0, length);
 }
 
 }  // namespace waymark

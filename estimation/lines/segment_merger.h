@@ -107,8 +107,8 @@ class SegmentMerger {
   std::vector<float> places_;       // Along the trace, of its pixels.
 };
 
-// Errors of a segment of this length whose pixels lie across_px (root mean
-// square) from it. Sets sigma_px and sigma_rad.
-void SetSegmentErrors(double across_px, LineSegment* segment);
+// Errors of a segment of this length, px, whose pixels lie `across` (mean
+// square, px^2) from it. Sets sigma_px and sigma_rad.
+void SetSegmentErrors(double across, double length, LineSegment* segment);
 
 }  // namespace waymark
