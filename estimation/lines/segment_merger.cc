@@ -1,7 +1,5 @@
 #include "estimation/lines/segment_merger.h"
 
-#include "estimation/lines/tile_order.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -283,15 +281,16 @@ void SegmentMerger::AppendTiles(const LineParts& parts,
     }
   }
   const std::size_t begin = pixels->size();
-  pixels->resize(begin + num + TileOrder::kStep);
+  pixels->resize(begin + num + kMostListed);
   Eigen::Vector2f* out = pixels->data() + begin;
   const TileOrder order(direction);
-  const auto list = [&](std::int32_t code) {
+  const auto append = [&](std::int32_t code) {
     const auto part = static_cast<std::size_t>(code / 2);
-    out = order.List(parts.tiles[part], parts.parts[part].num_pixels, out);
+    out = order.List(
+        parts.tiles[part], parts.parts[part].num_pixels, list_pixels_, out);
   };
-  std::for_each(trace_.behind.rbegin(), trace_.behind.rend(), list);
-  std::for_each(trace_.ahead.begin(), trace_.ahead.end(), list);
+  std::for_each(trace_.behind.rbegin(), trace_.behind.rend(), append);
+  std::for_each(trace_.ahead.begin(), trace_.ahead.end(), append);
   pixels->resize(begin + num);
 }
 
@@ -367,7 +366,7 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
   for (const LinePart& part : parts.parts) {
     num_pixels += static_cast<std::size_t>(part.num_pixels);
   }
-  set.pixels.reserve(num_pixels + TileOrder::kStep);
+  set.pixels.reserve(num_pixels + kMostListed);
   FillCells(parts, width, height);
   near_.resize(pieces_.part.size());
   is_used_.assign(parts.parts.size(), 0);

@@ -4,6 +4,7 @@
 #include "estimation/lines/line_parts.h"
 #include "estimation/lines/line_types.h"
 #include "estimation/lines/near_pieces.h"
+#include "estimation/lines/tile_order.h"
 
 #include <array>
 #include <cstdint>
@@ -103,6 +104,7 @@ class SegmentMerger {
   Trace trace_;
   int first_row_ = 0;  // Of cells, where there may be unused pieces.
   FindNearPieces find_near_ = ChooseFindNearPieces();
+  ListTilePixels list_pixels_ = ChooseListTilePixels();
   std::vector<std::int32_t> near_;  // Of pieces_, as found.
   std::vector<float> places_;       // Along the trace, of its pixels.
 };

@@ -115,10 +115,15 @@ TEST(TileOrder, ListsAllPixelsAlongTheDirection) {
     const TilePixels tile{DrawTile(0.4, &random), 40, 24};
     const int num = std::popcount(tile.bits);
     std::vector<Eigen::Vector2f> pixels(
-        static_cast<std::size_t>(num + TileOrder::kStep));
+        static_cast<std::size_t>(num + kMostListed));
     const TileOrder order(d);
-    EXPECT_EQ(order.List(tile, num, pixels.data()), pixels.data() + num);
+    std::vector<Eigen::Vector2f> portable = pixels;
+    order.List(tile, num, ListTilePixelsPortably, portable.data());
+    EXPECT_EQ(order.List(tile, num, ChooseListTilePixels(), pixels.data()),
+              pixels.data() + num);
+    portable.resize(static_cast<std::size_t>(num));
     pixels.resize(static_cast<std::size_t>(num));
+    EXPECT_EQ(pixels, portable);
     std::set<std::pair<int, int>> seen;
     const bool is_wide = std::abs(d.x()) >= std::abs(d.y());
     for (std::size_t i = 0; i < pixels.size(); ++i) {
