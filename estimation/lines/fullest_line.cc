@@ -49,7 +49,9 @@ WAYMARK_WIDE_POPCNT FullestLine FindByWidePopcnt(const std::uint64_t* lines,
     best = _mm512_maskz_max_epi64(kAll, best, key);
     left = _mm512_sub_epi64(left, _mm512_set1_epi64(kLineBlock));
   }
-  const std::int64_t key = _mm512_reduce_max_epi64(best);
+  alignas(64) std::array<std::int64_t, kLineBlock> keys{};
+  _mm512_store_si512(keys.data(), best);
+  const std::int64_t key = *std::max_element(keys.begin(), keys.end());
   const int count = static_cast<int>(key >> kShift);
   if (count == 0) return {};
   return {num_lines - 1 - static_cast<int>(key & 0xFFFFFFFF), count};
