@@ -4,10 +4,9 @@
 
 #include <fcntl.h>
 #include <linux/close_range.h>
-#include <pty.h>
+#include <pty.h>  // Also of terminals.
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
