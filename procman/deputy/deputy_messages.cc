@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -39,6 +40,28 @@ DeputyOrders ToOrders(const procman_lcm::orders_t& message) {
     orders.commands.push_back(std::move(order));
   }
   return orders;
+}
+
+procman_lcm::orders_t FromOrders(const DeputyOrders& orders) {
+  procman_lcm::orders_t message;
+  message.utime = Microseconds(orders.utime);
+  message.deputy_id = orders.deputy_id;
+  message.sheriff_id = orders.sheriff_id;
+  for (const CommandOrder& order : orders.commands) {
+    procman_lcm::cmd_desired_t desired;
+    desired.cmd.command_id = order.spec.id;
+    desired.cmd.exec_str = order.spec.exec;
+    desired.cmd.group = order.spec.group;
+    desired.cmd.auto_respawn = order.spec.auto_respawn ? 1 : 0;
+    desired.cmd.stop_signal = static_cast<std::int8_t>(order.spec.stop_signal);
+    desired.cmd.stop_time_allowed =
+        static_cast<float>(order.spec.stop_time_allowed_s);
+    desired.desired_runid = order.desired_runid;
+    desired.force_quit = order.force_quit ? 1 : 0;
+    message.cmds.push_back(std::move(desired));
+  }
+  message.ncmds = static_cast<std::int32_t>(message.cmds.size());
+  return message;
 }
 
 procman_lcm::deputy_info_t ToInfo(

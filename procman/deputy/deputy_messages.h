@@ -20,6 +20,7 @@ struct CommandUse {
 };
 
 [[nodiscard]] DeputyOrders ToOrders(const procman_lcm::orders_t& message);
+[[nodiscard]] procman_lcm::orders_t FromOrders(const DeputyOrders& orders);
 
 [[nodiscard]] procman_lcm::deputy_info_t ToInfo(
     const std::string& deputy_id,

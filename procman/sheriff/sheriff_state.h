@@ -98,6 +98,7 @@ class SheriffState {
   // For each deputy that was heard; none where this is an observer.
   [[nodiscard]] std::vector<DeputyOrders> Orders(Time wall) const;
 
+  [[nodiscard]] const std::string& id() const { return sheriff_id_; }
   [[nodiscard]] bool is_observer() const { return is_observer_; }
   // Who gives orders instead; empty: nobody else does.
   [[nodiscard]] const std::string& other_sheriff() const { return other_; }
