@@ -110,7 +110,8 @@ void SheriffOperator::Wait(const std::vector<std::string>& ids,
       if (!Is(id, wait)) missing += (missing.empty() ? "" : ", ") + id;
     }
     if (missing.empty()) return;
-    if (link_->state.is_observer()) {
+    // Who only looks may wait beside another sheriff.
+    if (gives_orders_ && link_->state.is_observer()) {
       throw std::logic_error("another sheriff gives orders: " +
                              link_->state.other_sheriff());
     }
@@ -124,6 +125,7 @@ void SheriffOperator::Wait(const std::vector<std::string>& ids,
 
 void SheriffOperator::Start(const std::vector<std::string>& ids,
                             StartStopAction::Kind kind) {
+  gives_orders_ = true;
   const std::set<std::string> asked(ids.begin(), ids.end());
   for (const std::string& id : WithDependencies(ids)) {
     const DeploymentCommand* command = deployment_.Find(id);
@@ -147,6 +149,7 @@ void SheriffOperator::Start(const std::vector<std::string>& ids,
 }
 
 void SheriffOperator::Stop(const std::vector<std::string>& ids) {
+  gives_orders_ = true;
   // What others depend on goes last.
   std::vector<std::string> ordered = WithDependencies(ids);
   std::reverse(ordered.begin(), ordered.end());

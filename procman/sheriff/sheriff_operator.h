@@ -52,6 +52,7 @@ class SheriffOperator {
   const Deployment& deployment_;
   double timeout_s_;
   std::function<void(const std::string&)> say_;
+  bool gives_orders_ = false;
   std::map<std::string, Duration> ordered_;  // When each was started.
 };
 

@@ -125,6 +125,25 @@ TEST_F(SheriffTest, ExitCodesSayWhatCameOfIt) {
   EXPECT_EQ(Command("waits")["pid"], 0);
 }
 
+// Without orders of its own, so also beside another sheriff.
+TEST_F(SheriffTest, WaitsForWhatComes) {
+  EXPECT_EQ(CallWithFile({"start", "never"}).exit_code, 0);
+  const ChildResult ready =
+      CallWithFile({"wait", "never", "--status", "ready", "--timeout", "1"});
+  EXPECT_EQ(ready.exit_code, 1);
+  EXPECT_EQ(ready.err, "waymark-sheriff: not ready in time: never\n");
+  ChildProcess stopped({BuildPath("bin/waymark-sheriff"),
+                        "wait",
+                        "never",
+                        "--status",
+                        "stopped",
+                        "--timeout",
+                        "20"});
+  EXPECT_EQ(Call({"stop", "never"}).exit_code, 0);
+  const ChildResult result = stopped.Wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 TEST_F(SheriffTest, RunsScripts) {
   const ChildResult run = CallWithFile({"run", "go"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
