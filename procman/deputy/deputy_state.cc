@@ -86,6 +86,11 @@ bool DeputyState::Refuse(const CommandOrder& order,
 void DeputyState::Follow(const CommandOrder& order,
                          Duration now,
                          Actions* actions) {
+  if (commands_.size() >= kMostCommands &&
+      commands_.count(order.spec.id) == 0) {
+    ++num_refused_;
+    return;
+  }
   const auto [entry, is_new] = commands_.try_emplace(order.spec.id);
   CommandState& command = entry->second;
   if (is_new) {

@@ -4,6 +4,7 @@
 #include "estimation/base/time.h"
 #include "procman/deputy/deputy_types.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -60,6 +61,8 @@ class DeputyState {
 
   // Orders older than this are not followed.
   static constexpr Duration kStale = std::chrono::seconds(60);
+  // Orders for more are passed over: anybody can send them.
+  static constexpr std::size_t kMostCommands = 4096;
   // Raw status of a program that cannot be started, and of one that may not.
   static constexpr std::int32_t kCannotStart = 255 << 8;
   static constexpr std::int32_t kRefused = 126 << 8;

@@ -308,6 +308,15 @@ TEST_F(DeputyStateTest, WhatMustNotRunIsRefusedButMayBeStopped) {
   EXPECT_THAT(TakeDone(), ElementsAre("start a"));
 }
 
+TEST_F(DeputyStateTest, KeepsNoMoreCommandsThanCanBeMeant) {
+  Use({"", {}, [](const CommandSpec&) { return std::string("no"); }});
+  std::vector<CommandOrder> orders;
+  for (int i = 0; i < 5000; ++i) orders.push_back(Order(std::to_string(i), 1));
+  Orders(orders);
+  EXPECT_EQ(state_.commands().size(), DeputyState::kMostCommands);
+  EXPECT_EQ(state_.num_refused(), 5000);
+}
+
 TEST_F(DeputyStateTest, QuitsOnceAllHaveEnded) {
   Orders({Respawned(Order("a", 1)), Respawned(Order("b", 1))});
   Exit(101, 256);
