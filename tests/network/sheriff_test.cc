@@ -24,7 +24,9 @@ using testing::StartsWith;
 constexpr char kFile[] = R"(
 group "base" {
   cmd "clock" { exec = "bash -c 'while :; do echo tick; sleep 0.2; done'";
-                deputy = "robot"; auto_respawn = "true"; }
+                deputy = "robot"; auto_respawn = "true";
+                # A shell goes on after SIGINT if its child has not seen it.
+                stop_signal = 15; }
   cmd "broken" { exec = "bash -c 'exit 3'"; deputy = "robot"; }
 }
 cmd "late" { exec = "sleep 1000"; deputy = "robot"; depends_on = "clock"; }
