@@ -1,6 +1,7 @@
 #include "estimation/lines/edge_image.h"
 
 #include "estimation/lines/edge_rows.h"
+#include "estimation/lines/tile_words.h"
 
 #include <algorithm>
 #include <array>
@@ -23,13 +24,7 @@ std::uint64_t FillUp(std::uint64_t seeds, std::uint64_t field) {
 }
 
 std::uint64_t Reverse(std::uint64_t bits) {
-  bits = (bits >> 1 & 0x5555555555555555ull) | (bits & 0x5555555555555555ull)
-                                                   << 1;
-  bits = (bits >> 2 & 0x3333333333333333ull) | (bits & 0x3333333333333333ull)
-                                                   << 2;
-  bits = (bits >> 4 & 0x0F0F0F0F0F0F0F0Full) | (bits & 0x0F0F0F0F0F0F0F0Full)
-                                                   << 4;
-  return __builtin_bswap64(bits);
+  return __builtin_bswap64(ReverseRows(bits));
 }
 
 std::uint64_t Fill(std::uint64_t seeds, std::uint64_t field) {
@@ -87,7 +82,7 @@ void SetEdgeBits(const cv::Mat1b& map, EdgeImage* edges) {
   edges->dx.clear();
   edges->dy.clear();
   edges->bits.assign(edges->WordOf(0, map.rows), 0);
-  const EdgeRowLoops& loops = WideEdgeRowLoops();
+  static const EdgeRowLoops& loops = *EdgeRowLoopsVariants().back();
   for (int y = 0; y < map.rows; ++y) {
     const std::uint8_t* row = map.ptr(y);
     std::uint64_t* bits =
@@ -103,6 +98,8 @@ void SetEdgeBits(const cv::Mat1b& map, EdgeImage* edges) {
 EdgeDetector::EdgeDetector(const EdgeImageOptions& options)
     : options_(options) {
   options.Check();
+  const auto variants = EdgeRowLoopsVariants();
+  loops_ = options.wide ? variants.back() : variants.front();
 }
 
 void EdgeDetector::Prepare(const cv::Mat1b& image) {
@@ -132,8 +129,7 @@ void EdgeDetector::Prepare(const cv::Mat1b& image) {
 }
 
 void EdgeDetector::SmoothRow(const cv::Mat1b& image, int y) {
-  const EdgeRowLoops& loops =
-      options_.wide ? WideEdgeRowLoops() : PortableEdgeRowLoops();
+  const EdgeRowLoops& loops = *loops_;
   const int n = image.cols;
   const int last = image.rows - 1;
   const std::array<const std::uint8_t*, 5> rows{
@@ -155,8 +151,7 @@ void EdgeDetector::SmoothRow(const cv::Mat1b& image, int y) {
 }
 
 void EdgeDetector::DifferentiateRow(int y) {
-  const EdgeRowLoops& loops =
-      options_.wide ? WideEdgeRowLoops() : PortableEdgeRowLoops();
+  const EdgeRowLoops& loops = *loops_;
   const std::ptrdiff_t stride = edges_.stride + 2 * kPad;
   const auto smooth = [&](int row) {
     return smooth_.data() + std::clamp(row, 0, edges_.height - 1) % 3 * stride +
@@ -173,8 +168,7 @@ void EdgeDetector::DifferentiateRow(int y) {
 }
 
 void EdgeDetector::SuppressRow(int y) {
-  const EdgeRowLoops& loops =
-      options_.wide ? WideEdgeRowLoops() : PortableEdgeRowLoops();
+  const EdgeRowLoops& loops = *loops_;
   const std::ptrdiff_t stride = edges_.stride + 2 * kPad;
   // Outside the image nothing is steep.
   const auto magnitude = [&](int row) {

@@ -9,6 +9,8 @@
 
 namespace waymark {
 
+struct EdgeRowLoops;
+
 enum class EdgeSuppression {
   // A pixel survives where it is steepest of itself and its two horizontal or
   // two vertical neighbours, by the larger part of its gradient: no diagonals,
@@ -92,6 +94,7 @@ class EdgeDetector {
   bool FollowRow(int y);
 
   EdgeImageOptions options_;
+  const EdgeRowLoops* loops_;
   EdgeImage edges_;
   std::vector<std::uint16_t> column_;
   std::vector<std::int16_t> smooth_;     // Rows y % 3.

@@ -2,15 +2,14 @@
 // time with AVX2, eight without. Integers alone, so both are equal.
 #include "estimation/lines/edge_rows.h"
 
-#if defined(__x86_64__)
-#define WAYMARK_WIDE_ROWS __attribute__((target("avx2")))
-#endif
+#include "estimation/lines/processor_targets.h"
 
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
 
 #include <cstring>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -18,8 +17,6 @@ namespace {
 using std::int16_t;
 using std::uint16_t;
 using std::uint8_t;
-
-#define WAYMARK_INLINE inline __attribute__((always_inline))
 
 // At most 16 * 255.
 WAYMARK_INLINE void SmoothDown(const uint8_t* const rows[5],
@@ -196,35 +193,33 @@ constexpr EdgeRowLoops kPortable{
     },
     PackNotZero};
 
-#if defined(WAYMARK_WIDE_ROWS)
-WAYMARK_WIDE_ROWS void WideSmoothDown(const uint8_t* const rows[5],
-                                      int n,
-                                      uint16_t* out) {
+#if defined(__x86_64__)
+WAYMARK_AVX2 void WideSmoothDown(const uint8_t* const rows[5],
+                                 int n,
+                                 uint16_t* out) {
   SmoothDown(rows, n, out);
 }
-WAYMARK_WIDE_ROWS void WideSmoothAlong(const uint16_t* in,
-                                       int n,
-                                       int16_t* out) {
+WAYMARK_AVX2 void WideSmoothAlong(const uint16_t* in, int n, int16_t* out) {
   SmoothAlong(in, n, out);
 }
-WAYMARK_WIDE_ROWS void WideDifferentiate(const int16_t* const rows[3],
-                                         int n,
-                                         const GradientRow& out) {
+WAYMARK_AVX2 void WideDifferentiate(const int16_t* const rows[3],
+                                    int n,
+                                    const GradientRow& out) {
   Differentiate(rows, n, out);
 }
-WAYMARK_WIDE_ROWS void WideTwoAxes(const SuppressionRow& row,
-                                   int n,
-                                   uint8_t* marks) {
+WAYMARK_AVX2 void WideTwoAxes(const SuppressionRow& row,
+                              int n,
+                              uint8_t* marks) {
   SuppressTwoAxes(row, n, marks);
 }
-WAYMARK_WIDE_ROWS void WideFourDirections(const SuppressionRow& row,
-                                          int n,
-                                          uint8_t* marks) {
+WAYMARK_AVX2 void WideFourDirections(const SuppressionRow& row,
+                                     int n,
+                                     uint8_t* marks) {
   SuppressFourDirections(row, n, marks);
 }
-WAYMARK_WIDE_ROWS void WidePackNotZero(const uint8_t* bytes,
-                                       int num_words,
-                                       std::uint64_t* bits) {
+WAYMARK_AVX2 void WidePackNotZero(const uint8_t* bytes,
+                                  int num_words,
+                                  std::uint64_t* bits) {
   for (int i = 0; i < num_words; ++i, bytes += 64) {
     std::uint64_t zero = 0;
     for (int half = 0; half < 64; half += 32) {
@@ -244,8 +239,9 @@ constexpr EdgeRowLoops kWide{WideSmoothDown,
                              WideFourDirections,
                              WidePackNotZero};
 
-__attribute__((target("avx512bw"))) void WidestPackNotZero(
-    const uint8_t* bytes, int num_words, std::uint64_t* bits) {
+WAYMARK_AVX512BW void WidestPackNotZero(const uint8_t* bytes,
+                                        int num_words,
+                                        std::uint64_t* bits) {
   for (int i = 0; i < num_words; ++i, bytes += 64) {
     const __m512i v = _mm512_loadu_si512(bytes);
     bits[i] = _mm512_test_epi8_mask(v, v);
@@ -273,24 +269,13 @@ std::uint64_t PackBit(const std::uint8_t* bytes) {
 template std::uint64_t PackBit<0>(const std::uint8_t* bytes);
 template std::uint64_t PackBit<1>(const std::uint8_t* bytes);
 
-bool HasWideEdgeRows() {
-#if defined(WAYMARK_WIDE_ROWS)
-  return __builtin_cpu_supports("avx2") != 0;
-#else
-  return false;
+std::vector<const EdgeRowLoops*> EdgeRowLoopsVariants() {
+  std::vector<const EdgeRowLoops*> all{&kPortable};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") != 0) all.push_back(&kWide);
+  if (__builtin_cpu_supports("avx512bw") != 0) all.push_back(&kWidest);
 #endif
-}
-
-const EdgeRowLoops& PortableEdgeRowLoops() {
-  return kPortable;
-}
-
-const EdgeRowLoops& WideEdgeRowLoops() {
-#if defined(WAYMARK_WIDE_ROWS)
-  if (__builtin_cpu_supports("avx512bw") != 0) return kWidest;
-  if (HasWideEdgeRows()) return kWide;
-#endif
-  return kPortable;
+  return all;
 }
 
 }  // namespace waymark

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 namespace waymark {
 
@@ -51,10 +52,9 @@ struct EdgeRowLoops {
                         std::uint64_t* bits);
 };
 
-// The same results; the first by AVX2 where the machine has it.
-[[nodiscard]] const EdgeRowLoops& WideEdgeRowLoops();
-[[nodiscard]] const EdgeRowLoops& PortableEdgeRowLoops();
-[[nodiscard]] bool HasWideEdgeRows();
+// All that this processor can run, with the same results: the portable ones
+// first, the fastest last. They live for ever.
+[[nodiscard]] std::vector<const EdgeRowLoops*> EdgeRowLoopsVariants();
 
 // Of 64 bytes one bit each, the first the lowest: its bit `Bit`.
 template <int Bit>

@@ -1,25 +1,32 @@
 #include "estimation/lines/fullest_line.h"
 
+#include "estimation/lines/processor_targets.h"
+
 #include <algorithm>
 #include <array>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
-#define WAYMARK_POPCNT __attribute__((target("popcnt")))
-#define WAYMARK_WIDE_POPCNT __attribute__((target("avx512f,avx512vpopcntdq")))
 #endif
 
 namespace waymark {
 namespace {
 
-inline __attribute__((always_inline)) FullestLine FullestOf(
-    const std::uint64_t* lines, int num_lines, std::uint64_t tile) {
+WAYMARK_INLINE FullestLine FullestOf(const std::uint64_t* lines,
+                                     int num_lines,
+                                     std::uint64_t tile) {
   FullestLine best;
   for (int i = 0; i < num_lines; ++i) {
     const int count = __builtin_popcountll(lines[i] & tile);
     if (count > best.count) best = {i, count};
   }
   return best;
+}
+
+FullestLine FindFullestLinePortably(const std::uint64_t* lines,
+                                    int num_lines,
+                                    std::uint64_t tile) {
+  return FullestOf(lines, num_lines, tile);
 }
 
 #if defined(__x86_64__)
@@ -31,9 +38,9 @@ WAYMARK_POPCNT FullestLine FindByPopcnt(const std::uint64_t* lines,
 
 // Eight lines at a time. The count above the bits of the index, counted down:
 // the greatest of all is the first of the fullest.
-WAYMARK_WIDE_POPCNT FullestLine FindByWidePopcnt(const std::uint64_t* lines,
-                                                 int num_lines,
-                                                 std::uint64_t tile) {
+WAYMARK_AVX512_POPCNT FullestLine FindByWidePopcnt(const std::uint64_t* lines,
+                                                   int num_lines,
+                                                   std::uint64_t tile) {
   constexpr int kShift = 32;
   // Masks of all lanes: without one, GCC 12 warns of its own header.
   constexpr __mmask8 kAll = 0xFF;
@@ -60,18 +67,15 @@ WAYMARK_WIDE_POPCNT FullestLine FindByWidePopcnt(const std::uint64_t* lines,
 
 }  // namespace
 
-FullestLine FindFullestLinePortably(const std::uint64_t* lines,
-                                    int num_lines,
-                                    std::uint64_t tile) {
-  return FullestOf(lines, num_lines, tile);
-}
-
-FindFullestLine ChooseFindFullestLine() {
+std::vector<FindFullestLine> FindFullestLineVariants() {
+  std::vector<FindFullestLine> all{FindFullestLinePortably};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512vpopcntdq") != 0) return FindByWidePopcnt;
-  if (__builtin_cpu_supports("popcnt") != 0) return FindByPopcnt;
+  if (__builtin_cpu_supports("popcnt") != 0) all.push_back(FindByPopcnt);
+  if (__builtin_cpu_supports("avx512vpopcntdq") != 0) {
+    all.push_back(FindByWidePopcnt);
+  }
 #endif
-  return FindFullestLinePortably;
+  return all;
 }
 
 }  // namespace waymark

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 namespace waymark {
 
@@ -18,11 +19,8 @@ using FindFullestLine = FullestLine (*)(const std::uint64_t* lines,
                                         std::uint64_t tile);
 inline constexpr int kLineBlock = 8;
 
-// For any processor.
-[[nodiscard]] FullestLine FindFullestLinePortably(const std::uint64_t* lines,
-                                                  int num_lines,
-                                                  std::uint64_t tile);
-// The fastest that this processor has; the same results.
-[[nodiscard]] FindFullestLine ChooseFindFullestLine();
+// All that this processor can run, with the same results: the portable one
+// first, the fastest last.
+[[nodiscard]] std::vector<FindFullestLine> FindFullestLineVariants();
 
 }  // namespace waymark

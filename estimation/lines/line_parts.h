@@ -31,8 +31,9 @@ struct TilePixels {
 
 struct LineParts {
   std::vector<LinePart> parts;
-  // Of a part: in order from a to b, or, where tiles are given, in its tile.
-  std::vector<Eigen::Vector2f> pixels;
+  std::vector<Eigen::Vector2f> pixels;  // Of a part: in order from a to b.
+  // Instead of `pixels`, which is empty then: of each part its tile. Tiles lie
+  // on a grid of kTileSide and are in the order of rows.
   std::vector<TilePixels> tiles;
   bool is_directed = false;
 

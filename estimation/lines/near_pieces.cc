@@ -1,15 +1,14 @@
 #include "estimation/lines/near_pieces.h"
 
+#include "estimation/lines/processor_targets.h"
+
 #include <array>
 #include <bit>
 #include <cstring>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
-#define WAYMARK_AVX512 __attribute__((target("avx512f")))
-#define WAYMARK_AVX2 __attribute__((target("avx2")))
 #endif
-#define WAYMARK_INLINE inline __attribute__((always_inline))
 
 namespace waymark {
 namespace {
@@ -89,6 +88,13 @@ WAYMARK_INLINE std::int32_t* FindNear(const PieceEnds& ends,
     }
   }
   return found;
+}
+
+std::int32_t* FindNearPiecesPortably(const PieceEnds& ends,
+                                     const PieceRows& rows,
+                                     const LineEnd& line,
+                                     std::int32_t* found) {
+  return FindNear(ends, rows, line, found);
 }
 
 #if defined(__x86_64__)
@@ -173,19 +179,13 @@ WAYMARK_AVX512 std::int32_t* FindByAvx512(const PieceEnds& ends,
 
 }  // namespace
 
-std::int32_t* FindNearPiecesPortably(const PieceEnds& ends,
-                                     const PieceRows& rows,
-                                     const LineEnd& line,
-                                     std::int32_t* found) {
-  return FindNear(ends, rows, line, found);
-}
-
-FindNearPieces ChooseFindNearPieces() {
+std::vector<FindNearPieces> FindNearPiecesVariants() {
+  std::vector<FindNearPieces> all{FindNearPiecesPortably};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") != 0) return FindByAvx512;
-  if (__builtin_cpu_supports("avx2") != 0) return FindByAvx2;
+  if (__builtin_cpu_supports("avx2") != 0) all.push_back(FindByAvx2);
+  if (__builtin_cpu_supports("avx512f") != 0) all.push_back(FindByAvx512);
 #endif
-  return FindNearPiecesPortably;
+  return all;
 }
 
 }  // namespace waymark

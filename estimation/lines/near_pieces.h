@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace waymark {
 
@@ -45,11 +46,8 @@ using FindNearPieces = std::int32_t* (*)(const PieceEnds& ends,
                                          const LineEnd& line,
                                          std::int32_t* found);
 
-// The fastest for this processor; the same pieces.
-[[nodiscard]] FindNearPieces ChooseFindNearPieces();
-std::int32_t* FindNearPiecesPortably(const PieceEnds& ends,
-                                     const PieceRows& rows,
-                                     const LineEnd& line,
-                                     std::int32_t* found);
+// All that this processor can run, with the same results: the portable one
+// first, the fastest last.
+[[nodiscard]] std::vector<FindNearPieces> FindNearPiecesVariants();
 
 }  // namespace waymark

@@ -1,18 +1,14 @@
 #include "estimation/lines/segment_merger.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
-
-#define inline __attribute__((always_inline))
 
 namespace waymark {
 namespace {
@@ -371,14 +367,26 @@ LineSet SegmentMerger::Merge(const LineParts& parts, int width, int height) {
   near_.resize(pieces_.part.size());
   is_used_.assign(parts.parts.size(), 0);
   const bool is_ordered = !parts.tiles.empty() && AreTilesCells();
+  has_unused_.assign(static_cast<std::size_t>(num_rows_), 0);
   for (std::size_t i = 0; i < parts.parts.size(); ++i) {
     const LinePart& part = parts.parts[i];
     if (is_used_[i] != 0) continue;
+    const int row = CellOf(part.a.y());
+    const ScaledFit fit(part.moments);
+    if (!(fit.SquaredLength() > 0.0)) {
+      // A square, say: it has no direction, and only continues others.
+      has_unused_[static_cast<std::size_t>(row)] = 1;
+      continue;
+    }
     Use(i);
     trace_.moments = part.moments;
-    trace_.direction = ScaledFit(part.moments).Direction(part.b - part.a);
-    // Of tiles, in order, all pieces above are used.
-    first_row_ = is_ordered ? CellOf(part.a.y()) : 0;
+    trace_.direction = fit.Direction(part.b - part.a);
+    // Of tiles, in order, all other pieces above are used.
+    first_row_ = is_ordered ? row : 0;
+    while (first_row_ > 0 &&
+           has_unused_[static_cast<std::size_t>(first_row_ - 1)] != 0) {
+      --first_row_;
+    }
     trace_.ahead.assign(1, static_cast<std::int32_t>(2 * i));
     trace_.behind.clear();
     trace_.a = part.a;

@@ -101,10 +101,11 @@ class SegmentMerger {
   Pieces pieces_;
   std::vector<std::array<std::int32_t, 2>> entries_of_;  // Of each part.
   std::vector<char> is_used_;
+  std::vector<char> has_unused_;  // Of each row of cells: pieces passed over.
   Trace trace_;
   int first_row_ = 0;  // Of cells, where there may be unused pieces.
-  FindNearPieces find_near_ = ChooseFindNearPieces();
-  ListTilePixels list_pixels_ = ChooseListTilePixels();
+  FindNearPieces find_near_ = FindNearPiecesVariants().back();
+  ListTilePixels list_pixels_ = ListTilePixelsVariants().back();
   std::vector<std::int32_t> near_;  // Of pieces_, as found.
   std::vector<float> places_;       // Along the trace, of its pixels.
 };

@@ -72,8 +72,8 @@ struct SegmentedHough::Tables {
   std::array<Word, 256> rows{};
   // The lines of a tile of eight, one and a half pixels wide.
   std::vector<Word> lines;
-  FindFullestLine fullest = ChooseFindFullestLine();
-  FindTileGroups groups = ChooseFindTileGroups();
+  FindFullestLine fullest = FindFullestLineVariants().back();
+  FindTileGroups groups = FindTileGroupsVariants().back();
 
   Tables() {
     for (int y = 0; y < kLiteralSide; ++y) {

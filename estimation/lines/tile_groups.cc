@@ -1,12 +1,9 @@
 #include "estimation/lines/tile_groups.h"
 
+#include "estimation/lines/processor_targets.h"
+
 #include <cstddef>
 #include <cstring>
-
-#if defined(__x86_64__)
-#define WAYMARK_AVX2 __attribute__((target("avx2")))
-#define WAYMARK_AVX512 __attribute__((target("avx512f")))
-#endif
 
 namespace waymark {
 namespace {
@@ -15,8 +12,6 @@ using Tiles = std::array<std::uint64_t, kTileBlock>;
 // Eight tiles on any processor, in one register or several.
 using Block = std::uint64_t __attribute__((vector_size(64)));
 using Half = std::uint64_t __attribute__((vector_size(32)));
-
-#define WAYMARK_INLINE inline __attribute__((always_inline))
 
 // One pixel farther within the field, in all directions.
 WAYMARK_INLINE void Grow(const Block& field, Block* seed) {
@@ -57,6 +52,10 @@ WAYMARK_INLINE void FindGroups(const Tiles& tiles, TileGroups* groups) {
   }
 }
 
+void FindTileGroupsPortably(const Tiles& tiles, TileGroups* groups) {
+  FindGroups(tiles, groups);
+}
+
 #if defined(__x86_64__)
 WAYMARK_AVX2 void FindByAvx2(const Tiles& tiles, TileGroups* groups) {
   FindGroups(tiles, groups);
@@ -69,16 +68,13 @@ WAYMARK_AVX512 void FindByAvx512(const Tiles& tiles, TileGroups* groups) {
 
 }  // namespace
 
-void FindTileGroupsPortably(const Tiles& tiles, TileGroups* groups) {
-  FindGroups(tiles, groups);
-}
-
-FindTileGroups ChooseFindTileGroups() {
+std::vector<FindTileGroups> FindTileGroupsVariants() {
+  std::vector<FindTileGroups> all{FindTileGroupsPortably};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") != 0) return FindByAvx512;
-  if (__builtin_cpu_supports("avx2") != 0) return FindByAvx2;
+  if (__builtin_cpu_supports("avx2") != 0) all.push_back(FindByAvx2);
+  if (__builtin_cpu_supports("avx512f") != 0) all.push_back(FindByAvx512);
 #endif
-  return FindTileGroupsPortably;
+  return all;
 }
 
 }  // namespace waymark

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace waymark {
 
@@ -22,9 +23,8 @@ struct TileGroups {
 using FindTileGroups = void (*)(
     const std::array<std::uint64_t, kTileBlock>& tiles, TileGroups* groups);
 
-// The fastest for this processor; the groups are the same.
-[[nodiscard]] FindTileGroups ChooseFindTileGroups();
-void FindTileGroupsPortably(const std::array<std::uint64_t, kTileBlock>& tiles,
-                            TileGroups* groups);
+// All that this processor can run, with the same results: the portable one
+// first, the fastest last.
+[[nodiscard]] std::vector<FindTileGroups> FindTileGroupsVariants();
 
 }  // namespace waymark

@@ -1,5 +1,6 @@
 #include "estimation/lines/tile_order.h"
 
+#include "estimation/lines/processor_targets.h"
 #include "estimation/lines/tile_words.h"
 
 #include <array>
@@ -8,64 +9,12 @@
 
 #if defined(__x86_64__)
 #include <immintrin.h>
-#define WAYMARK_COMPRESS \
-  __attribute__((target("avx512f,avx512bw,avx512vbmi,avx512vbmi2")))
 #endif
 
 namespace waymark {
 namespace {
 
 constexpr float kLast = kTileSide - 1;
-
-#if defined(__x86_64__)
-constexpr std::array<std::uint8_t, 64> MakeIndices() {
-  std::array<std::uint8_t, 64> indices{};
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    indices[i] = static_cast<std::uint8_t>(i);
-  }
-  return indices;
-}
-constexpr std::array<std::uint8_t, 64> kIndices = MakeIndices();
-
-// Sixteen pixels at a time. Masks of all lanes: without one, GCC 12 warns of
-// its own header.
-WAYMARK_COMPRESS void ListByCompressing(std::uint64_t ordered,
-                                        std::int32_t num,
-                                        const TileSteps& steps,
-                                        Eigen::Vector2f* pixels) {
-  constexpr __mmask16 kAll = 0xFFFF;
-  alignas(64) std::array<std::uint8_t, 64> set;
-  _mm512_store_si512(
-      set.data(),
-      _mm512_maskz_compress_epi8(ordered, _mm512_loadu_si512(kIndices.data())));
-  const __m512i first =
-      _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-  const __m512i second = _mm512_add_epi32(first, _mm512_set1_epi32(8));
-  for (std::int32_t i = 0; i < num; i += kMostListed) {
-    const __m128i some =
-        _mm_load_si128(reinterpret_cast<const __m128i*>(set.data() + i));
-    const __m512i index = _mm512_maskz_cvtepu8_epi32(kAll, some);
-    const __m512 major =
-        _mm512_maskz_cvtepi32_ps(kAll, _mm512_maskz_srli_epi32(kAll, index, 3));
-    const __m512 minor = _mm512_maskz_cvtepi32_ps(
-        kAll, _mm512_and_si512(index, _mm512_set1_epi32(kTileSide - 1)));
-    const auto at =
-        [&](float zero, float by_major, float by_minor) WAYMARK_COMPRESS {
-          return _mm512_add_ps(
-              _mm512_set1_ps(zero),
-              _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(by_major), major),
-                            _mm512_mul_ps(_mm512_set1_ps(by_minor), minor)));
-        };
-    const __m512 x = at(steps.x0, steps.x_major, steps.x_minor);
-    const __m512 y = at(steps.y0, steps.y_major, steps.y_minor);
-    float* out = pixels[i].data();
-    _mm512_storeu_ps(out, _mm512_permutex2var_ps(x, first, y));
-    _mm512_storeu_ps(out + kMostListed, _mm512_permutex2var_ps(x, second, y));
-  }
-}
-#endif
-
-}  // namespace
 
 // Twelve without a look at whether there are as many: most pieces have a few
 // more or less than eight, so a branch for each would often be guessed wrongly.
@@ -86,11 +35,65 @@ void ListTilePixelsPortably(std::uint64_t ordered,
   }
 }
 
-ListTilePixels ChooseListTilePixels() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512vbmi2") != 0) return ListByCompressing;
+constexpr std::array<std::uint8_t, 64> MakeIndices() {
+  std::array<std::uint8_t, 64> indices{};
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    indices[i] = static_cast<std::uint8_t>(i);
+  }
+  return indices;
+}
+constexpr std::array<std::uint8_t, 64> kIndices = MakeIndices();
+
+// Sixteen pixels at a time. Masks of all lanes: without one, GCC 12 warns of
+// its own header.
+WAYMARK_AVX512_COMPRESS void ListByCompressing(std::uint64_t ordered,
+                                               std::int32_t num,
+                                               const TileSteps& steps,
+                                               Eigen::Vector2f* pixels) {
+  constexpr __mmask16 kAll = 0xFFFF;
+  alignas(64) std::array<std::uint8_t, 64> set;
+  _mm512_store_si512(
+      set.data(),
+      _mm512_maskz_compress_epi8(ordered, _mm512_loadu_si512(kIndices.data())));
+  const __m512i first =
+      _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const __m512i second = _mm512_add_epi32(first, _mm512_set1_epi32(8));
+  for (std::int32_t i = 0; i < num; i += kMostListed) {
+    const __m128i some =
+        _mm_load_si128(reinterpret_cast<const __m128i*>(set.data() + i));
+    const __m512i index = _mm512_maskz_cvtepu8_epi32(kAll, some);
+    const __m512 major =
+        _mm512_maskz_cvtepi32_ps(kAll, _mm512_maskz_srli_epi32(kAll, index, 3));
+    const __m512 minor = _mm512_maskz_cvtepi32_ps(
+        kAll, _mm512_and_si512(index, _mm512_set1_epi32(kTileSide - 1)));
+    const auto at = [&](float zero,
+                        float by_major,
+                        float by_minor) WAYMARK_AVX512_COMPRESS {
+      return _mm512_add_ps(
+          _mm512_set1_ps(zero),
+          _mm512_add_ps(_mm512_mul_ps(_mm512_set1_ps(by_major), major),
+                        _mm512_mul_ps(_mm512_set1_ps(by_minor), minor)));
+    };
+    const __m512 x = at(steps.x0, steps.x_major, steps.x_minor);
+    const __m512 y = at(steps.y0, steps.y_major, steps.y_minor);
+    float* out = pixels[i].data();
+    _mm512_storeu_ps(out, _mm512_permutex2var_ps(x, first, y));
+    _mm512_storeu_ps(out + kMostListed, _mm512_permutex2var_ps(x, second, y));
+  }
+}
 #endif
-  return ListTilePixelsPortably;
+
+}  // namespace
+
+std::vector<ListTilePixels> ListTilePixelsVariants() {
+  std::vector<ListTilePixels> all{ListTilePixelsPortably};
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512vbmi2") != 0) {
+    all.push_back(ListByCompressing);
+  }
+#endif
+  return all;
 }
 
 TileOrder::TileOrder(const Eigen::Vector2f& direction)
@@ -113,11 +116,7 @@ Eigen::Vector2f* TileOrder::List(const TilePixels& tile,
                                  Eigen::Vector2f* pixels) const {
   std::uint64_t w = tile.bits;
   if (is_up_) w = __builtin_bswap64(w);
-  if (is_left_) {
-    w = (w >> 1 & 0x5555555555555555ull) | (w & 0x5555555555555555ull) << 1;
-    w = (w >> 2 & 0x3333333333333333ull) | (w & 0x3333333333333333ull) << 2;
-    w = (w >> 4 & 0x0F0F0F0F0F0F0F0Full) | (w & 0x0F0F0F0F0F0F0F0Full) << 4;
-  }
+  if (is_left_) w = ReverseRows(w);
   if (is_wide_) w = TransposeTile(w);
   TileSteps steps = steps_;
   steps.x0 += static_cast<float>(tile.x);

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <vector>
 
 namespace waymark {
 
@@ -29,12 +30,9 @@ using ListTilePixels = void (*)(std::uint64_t ordered,
                                 const TileSteps& steps,
                                 Eigen::Vector2f* pixels);
 
-// The fastest for this processor; the same pixels.
-[[nodiscard]] ListTilePixels ChooseListTilePixels();
-void ListTilePixelsPortably(std::uint64_t ordered,
-                            std::int32_t num,
-                            const TileSteps& steps,
-                            Eigen::Vector2f* pixels);
+// All that this processor can run, with the same results: the portable one
+// first, the fastest last.
+[[nodiscard]] std::vector<ListTilePixels> ListTilePixelsVariants();
 
 // Column by column or row by row, whichever is more across the direction, each
 // of them and its pixels in the order in which the direction passes them.

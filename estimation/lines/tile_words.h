@@ -1,5 +1,5 @@
 // Tiles of 8 x 8 pixels as words: pixel (x, y) is bit 8 y + x. Internal to the
-// segmented Hough transform and to the merging of its pieces.
+// lines.
 #pragma once
 
 #include "estimation/lines/line_fit.h"
@@ -20,6 +20,13 @@ inline std::uint64_t TransposeTile(std::uint64_t w) {
   w ^= t ^ (t << 14);
   t = (w ^ (w >> 28)) & 0x00000000F0F0F0F0ull;
   return w ^ t ^ (t << 28);
+}
+
+// Pixel (x, y) becomes (7 - x, y): the bits of each byte turned round.
+inline std::uint64_t ReverseRows(std::uint64_t w) {
+  w = (w >> 1 & 0x5555555555555555ull) | (w & 0x5555555555555555ull) << 1;
+  w = (w >> 2 & 0x3333333333333333ull) | (w & 0x3333333333333333ull) << 2;
+  return (w >> 4 & 0x0F0F0F0F0F0F0F0Full) | (w & 0x0F0F0F0F0F0F0F0Full) << 4;
 }
 
 namespace tile_words {

@@ -25,7 +25,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// Of this process: other programs on the machine do not count.
 // A mirror camera that looks up at its mirror.
 Isometry3d UpPose(const Vector3d& p_W) {
   Isometry3d X_WC = Isometry3d::Identity();

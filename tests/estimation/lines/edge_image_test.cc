@@ -104,8 +104,7 @@ TEST(EdgeImage, BitsAreTheBytesThatAreNotZero) {
                ? 0
                : static_cast<std::uint8_t>(1 << (random.Index(8)));
   }
-  for (const EdgeRowLoops* loops :
-       {&PortableEdgeRowLoops(), &WideEdgeRowLoops()}) {
+  for (const EdgeRowLoops* loops : EdgeRowLoopsVariants()) {
     std::vector<std::uint64_t> bits(9);
     loops->pack_not_zero(bytes.data(), 9, bits.data());
     for (std::size_t i = 0; i < bytes.size(); ++i) {

@@ -82,7 +82,6 @@ TEST(TileGroups, AreTheConnectedComponents) {
   constexpr Word kSerpentine = 0xFF01FF80FF01FF80ull;
   constexpr Word kMost = 0x0055005500550055ull;
   Random random(3);
-  const FindTileGroups chosen = ChooseFindTileGroups();
   for (int round = 0; round < 300; ++round) {
     std::array<Word, kTileBlock> tiles{};
     for (Word& tile : tiles) tile = DrawTile(0.05 + 0.001 * round, &random);
@@ -90,7 +89,7 @@ TEST(TileGroups, AreTheConnectedComponents) {
     tiles[3] = kMost;
     tiles[5] = 0;
     tiles[6] = ~Word{0};
-    for (const FindTileGroups find : {chosen, &FindTileGroupsPortably}) {
+    for (const FindTileGroups find : FindTileGroupsVariants()) {
       TileGroups groups;
       find(tiles, &groups);
       for (std::size_t k = 0; k < tiles.size(); ++k) {
@@ -114,16 +113,18 @@ TEST(TileOrder, ListsAllPixelsAlongTheDirection) {
                             static_cast<float>(std::sin(angle)));
     const TilePixels tile{DrawTile(0.4, &random), 40, 24};
     const int num = std::popcount(tile.bits);
-    std::vector<Eigen::Vector2f> pixels(
-        static_cast<std::size_t>(num + kMostListed));
     const TileOrder order(d);
-    std::vector<Eigen::Vector2f> portable = pixels;
-    order.List(tile, num, ListTilePixelsPortably, portable.data());
-    EXPECT_EQ(order.List(tile, num, ChooseListTilePixels(), pixels.data()),
-              pixels.data() + num);
-    portable.resize(static_cast<std::size_t>(num));
-    pixels.resize(static_cast<std::size_t>(num));
-    EXPECT_EQ(pixels, portable);
+    std::vector<Eigen::Vector2f> pixels;
+    for (const ListTilePixels list : ListTilePixelsVariants()) {
+      std::vector<Eigen::Vector2f> listed(
+          static_cast<std::size_t>(num + kMostListed));
+      EXPECT_EQ(order.List(tile, num, list, listed.data()),
+                listed.data() + num);
+      listed.resize(static_cast<std::size_t>(num));
+      if (pixels.empty()) pixels = listed;
+      EXPECT_EQ(listed, pixels);
+    }
+    ASSERT_EQ(pixels.size(), static_cast<std::size_t>(num));
     std::set<std::pair<int, int>> seen;
     const bool is_wide = std::abs(d.x()) >= std::abs(d.y());
     for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -160,7 +161,7 @@ TEST(NearPieces, AreTheSameOnAnyProcessor) {
   Random random(5);
   std::int64_t num_found = 0;
   for (int round = 0; round < 2000; ++round) {
-    // Three rows of three cells, of which the middle one may be crowded.
+    // Three rows of three cells, in some rounds crowded ones.
     std::vector<std::int32_t> first{0};
     for (int cell = 0; cell < 9; ++cell) {
       const int most = round % 10 == 0 ? 20 : 4;
@@ -203,8 +204,7 @@ TEST(NearPieces, AreTheSameOnAnyProcessor) {
         if (IsNear(line, b, a)) expected.push_back(code + 1);
       }
     }
-    for (const FindNearPieces find :
-         {ChooseFindNearPieces(), &FindNearPiecesPortably}) {
+    for (const FindNearPieces find : FindNearPiecesVariants()) {
       std::vector<std::int32_t> found(num);
       found.resize(static_cast<std::size_t>(
           find(pieces, rows, line, found.data()) - found.data()));

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -185,10 +186,7 @@ TEST(SegmentedHough, RefusesOptionsOutOfRange) {
   EXPECT_THROW(SegmentedHough{options}, std::invalid_argument);
 }
 
-// The fastest on this processor takes the same line as the portable one: the
-// first of the fullest.
-TEST(FullestLine, IsTheSameOnAnyProcessor) {
-  const FindFullestLine find = ChooseFindFullestLine();
+TEST(FullestLine, IsTheFirstOfTheFullestOnAnyProcessor) {
   Random random(4);
   const auto draw = [&random] {
     std::uint64_t word = 0;
@@ -198,19 +196,25 @@ TEST(FullestLine, IsTheSameOnAnyProcessor) {
     return word;
   };
   std::vector<std::uint64_t> lines(24 * kLineBlock);
+  const int num = static_cast<int>(lines.size());
   for (int round = 0; round < 200; ++round) {
     for (std::uint64_t& line : lines) line = draw();
     // Some twice, and some empty.
     lines[100] = lines[7];
     lines[101] = 0;
     const std::uint64_t tile = draw();
-    const int num = static_cast<int>(lines.size());
-    const FullestLine expected =
-        FindFullestLinePortably(lines.data(), num, tile);
-    const FullestLine found = find(lines.data(), num, tile);
-    EXPECT_EQ(found.index, expected.index);
-    EXPECT_EQ(found.count, expected.count);
-    EXPECT_EQ(find(lines.data(), num, 0).count, 0);
+    FullestLine expected;
+    for (int i = 0; i < num; ++i) {
+      const int count =
+          std::popcount(lines[static_cast<std::size_t>(i)] & tile);
+      if (count > expected.count) expected = {i, count};
+    }
+    for (const FindFullestLine find : FindFullestLineVariants()) {
+      const FullestLine found = find(lines.data(), num, tile);
+      EXPECT_EQ(found.index, expected.index);
+      EXPECT_EQ(found.count, expected.count);
+      EXPECT_EQ(find(lines.data(), num, 0).count, 0);
+    }
   }
 }
 
@@ -243,6 +247,93 @@ TEST(SegmentMerger, JoinsOverAGapButNotOverALargerOne) {
     parts.is_directed = true;
     EXPECT_EQ(SegmentMerger().Merge(parts, 100, 10).segments.size(), 2u);
   }
+}
+
+// Lines and dots at random, in places crowded.
+cv::Mat1b RandomMap(Random* random) {
+  cv::Mat1b map(1 + static_cast<int>(random->Index(150)),
+                1 + static_cast<int>(random->Index(200)),
+                std::uint8_t{0});
+  const auto point = [&] {
+    return cv::Point(static_cast<int>(random->Index(220)) - 10,
+                     static_cast<int>(random->Index(170)) - 10);
+  };
+  for (int i = 0; i < 25; ++i) cv::line(map, point(), point(), cv::Scalar(255));
+  const double density = 0.05 * random->Uniform();
+  for (std::uint8_t& pixel : map) {
+    if (random->Uniform() < density) pixel = 255 - pixel;
+  }
+  return map;
+}
+
+// Tiles are cells, in order, so that much is not looked at. Without them, all
+// is, and the segments are the same.
+TEST(SegmentMerger, TilesAreMergedAsTheirPixelsAre) {
+  Random random(SeedFor(5, "SegmentMerger.Tiles"));
+  std::size_t num_segments = 0;
+  for (int round = 0; round < 60; ++round) {
+    const cv::Mat1b map = RandomMap(&random);
+    const LineParts tiles = PartsOf(map, HoughForm::kWords);
+    LineParts plain = tiles;
+    plain.tiles.clear();
+    for (std::size_t i = 0; i < plain.parts.size(); ++i) {
+      LinePart& part = plain.parts[i];
+      part.first_pixel = static_cast<std::int32_t>(plain.pixels.size());
+      std::vector<Eigen::Vector2f> pixels = PixelsOf(tiles, i);
+      const bool is_wide = std::abs(part.b.x() - part.a.x()) >=
+                           std::abs(part.b.y() - part.a.y());
+      std::stable_sort(pixels.begin(), pixels.end(), [&](auto& a, auto& b) {
+        return is_wide ? a.x() < b.x() : a.y() < b.y();
+      });
+      plain.pixels.insert(plain.pixels.end(), pixels.begin(), pixels.end());
+    }
+    for (const double gap : {6.0, 20.0, 64.0}) {
+      SegmentMergerOptions options;
+      options.max_gap_px = gap;
+      SegmentMerger merger(options);
+      const LineSet expected = merger.Merge(plain, map.cols, map.rows);
+      const LineSet found = merger.Merge(tiles, map.cols, map.rows);
+      ASSERT_EQ(found.segments.size(), expected.segments.size());
+      std::set<std::pair<int, int>> seen;
+      for (std::size_t i = 0; i < found.segments.size(); ++i) {
+        const LineSegment& s = found.segments[i];
+        EXPECT_LT((s.a - expected.segments[i].a).norm(), 1e-4);
+        EXPECT_LT((s.b - expected.segments[i].b).norm(), 1e-4);
+        ASSERT_EQ(s.num_pixels, expected.segments[i].num_pixels);
+        const Eigen::Vector2f d = (s.b - s.a).normalized().cast<float>();
+        float before = -1e9f;
+        for (std::int32_t k = 0; k < s.num_pixels; ++k) {
+          const Eigen::Vector2f& p =
+              found.pixels[static_cast<std::size_t>(s.first_pixel + k)];
+          const int x = static_cast<int>(p.x());
+          const int y = static_cast<int>(p.y());
+          ASSERT_NE(map(y, x), 0);
+          ASSERT_TRUE(seen.emplace(x, y).second);
+          EXPECT_GE(d.dot(p), before - 1e-3f);
+          before = d.dot(p);
+        }
+      }
+      num_segments += found.segments.size();
+    }
+  }
+  EXPECT_GT(num_segments, 1000u);
+}
+
+// A square has no direction of its own: it lengthens the line beside it.
+TEST(SegmentMerger, SquaresOnlyContinueOthers) {
+  cv::Mat1b map(64, 80, std::uint8_t{0});
+  map(cv::Rect(6, 8, 2, 2)).setTo(255);
+  map(cv::Rect(8, 8, 52, 1)).setTo(255);
+  for (const bool is_upright : {false, true}) {
+    cv::Mat1b turned = map;
+    if (is_upright) turned = map.t();
+    const LineSet set = SegmentsOf(turned, HoughForm::kWords);
+    ASSERT_EQ(set.segments.size(), 1u);
+    EXPECT_EQ(set.segments[0].num_pixels, 56);
+  }
+  map.setTo(0);
+  map(cv::Rect(6, 8, 2, 2)).setTo(255);
+  EXPECT_TRUE(SegmentsOf(map, HoughForm::kWords).segments.empty());
 }
 
 TEST(SegmentMerger, RefusesOptionsOutOfRange) {
