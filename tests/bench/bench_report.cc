@@ -102,6 +102,20 @@ std::string BenchJson(const std::vector<BenchRow>& rows) {
   return list.dump(2) + "\n";
 }
 
+BenchRow RowOf(const std::string& id,
+               const std::string& name,
+               double value,
+               const std::string& unit,
+               std::int64_t runs) {
+  BenchRow row;
+  row.id = id;
+  row.name = name;
+  row.value = value;
+  row.unit = unit;
+  row.runs = runs;
+  return row;
+}
+
 int RunBenches(int argc,
                char** argv,
                const std::string& area,

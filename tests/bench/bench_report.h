@@ -31,6 +31,12 @@ struct BenchRow {
   std::int64_t runs = 0;      // Repetitions, frames or seeds behind the value.
 };
 
+[[nodiscard]] BenchRow RowOf(const std::string& id,
+                             const std::string& name,
+                             double value,
+                             const std::string& unit,
+                             std::int64_t runs);
+
 struct Bench {
   std::string id;
   std::string help;

@@ -26,20 +26,6 @@ double Seconds() {
       .count();
 }
 
-BenchRow Row(const std::string& id,
-             const std::string& name,
-             double value,
-             const std::string& unit,
-             std::int64_t runs) {
-  BenchRow row;
-  row.id = id;
-  row.name = name;
-  row.value = value;
-  row.unit = unit;
-  row.runs = runs;
-  return row;
-}
-
 BenchRow Beside(BenchRow row,
                 const std::string& peer,
                 double peer_value,
@@ -102,7 +88,7 @@ void AddMirror(const std::vector<BoardView>& views,
   }
   const std::string of = PeerName(options.kind);
   const auto row = [&](const char* what, double value, const char* unit) {
-    return Row("camera-mirror", name + what, value, unit, num_views);
+    return RowOf("camera-mirror", name + what, value, unit, num_views);
   };
   rows->push_back(row("RMS of all corners", ours.result->rms_px, "px"));
   rows->push_back(
@@ -143,7 +129,7 @@ std::vector<BenchRow> BenchMirror(bool) {
   options.max_corner_sigmas = 1e6;
   const std::vector<BoardView> views = RealViews(folder, &options.size);
   const auto num_views = static_cast<std::int64_t>(views.size());
-  std::vector<BenchRow> rows{Row(
+  std::vector<BenchRow> rows{RowOf(
       "camera-mirror", "boards found", static_cast<double>(num_views), "", 6)};
   rows.back().goal = "6";
   rows.back().holds = num_views == 6;
@@ -211,7 +197,7 @@ void AddScores(const CalibrationCase& c,
   const auto row = [&](const std::string& name,
                        double value,
                        const char* unit) {
-    return Row("camera-boards", c.name + ": " + name, value, unit, num_seeds);
+    return RowOf("camera-boards", c.name + ": " + name, value, unit, num_seeds);
   };
   BenchRow wrong = row("no or a wrong answer", ours.num_wrong, "");
   rows->push_back(Beside(wrong, of, peers.num_wrong, "0", ours.num_wrong == 0));
@@ -392,7 +378,7 @@ std::vector<BenchRow> BenchSpeed(bool full) {
     const SpeedSamples samples = MakeSamples(c);
     const auto runs = static_cast<std::int64_t>(samples.points.size()) * rounds;
     const auto row = [&](const char* name, double value, const char* unit) {
-      return Row("camera-speed", c.name + ": " + name, value, unit, runs);
+      return RowOf("camera-speed", c.name + ": " + name, value, unit, runs);
     };
     const Timed pixels = TimePixels(c.camera, samples, rounds);
     rows.push_back(

@@ -174,11 +174,11 @@ std::vector<BenchRow> AblationOf(const std::vector<Method>& methods,
     const auto add = [&](const std::string& what,
                          const std::string& unit,
                          const PoseFigure& of) {
-      BenchRow row = PoseRow("Y10",
-                             method.name + ", " + what,
-                             of(score),
-                             unit,
-                             static_cast<std::size_t>(score.num_frames));
+      BenchRow row = RowOf("Y10",
+                           method.name + ", " + what,
+                           of(score),
+                           unit,
+                           static_cast<std::size_t>(score.num_frames));
       if (base) {
         row.peer = methods.front().name;
         row.peer_value = of(*base);

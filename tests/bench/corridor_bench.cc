@@ -114,7 +114,7 @@ std::vector<BenchRow> RowsOf(const std::string& world,
                        const std::string& goal,
                        std::optional<bool> holds,
                        std::size_t runs) {
-    rows.push_back(PoseRow(id, world + ", " + what, value, unit, runs));
+    rows.push_back(RowOf(id, world + ", " + what, value, unit, runs));
     rows.back().goal = goal;
     rows.back().holds = holds;
   };

@@ -38,11 +38,11 @@ class Beside {
            const PoseFigure& figure,
            std::optional<double> in_paper = std::nullopt) {
     const double value = figure(ours_);
-    BenchRow row = PoseRow(id,
-                           world_ + ", " + what,
-                           value,
-                           unit,
-                           static_cast<std::size_t>(ours_.num_frames));
+    BenchRow row = RowOf(id,
+                         world_ + ", " + what,
+                         value,
+                         unit,
+                         static_cast<std::size_t>(ours_.num_frames));
     row.published = in_paper;
     row.peer = "published steps";
     row.peer_value = figure(published_);
@@ -167,16 +167,16 @@ std::vector<BenchRow> BenchFaults(bool full) {
       const Probabilities p = ProbabilitiesOf(method, all, errors);
       const std::string of = method.name + ", " + known + ", ";
       rows.push_back(
-          PoseRow("Y11", of + "area under ROC", p.Area(), "", p.faulty.size()));
+          RowOf("Y11", of + "area under ROC", p.Area(), "", p.faulty.size()));
       for (const double threshold : {0.5, 0.8, 0.9, 0.95, 0.97, 0.99}) {
         char at[32];
         std::snprintf(at, sizeof at, "at %.2f", threshold);
         BenchRow row =
-            PoseRow("Y11",
-                    of + "faulty accepted " + at,
-                    100.0 - Probabilities::Rejected(p.faulty, threshold),
-                    "%",
-                    p.faulty.size());
+            RowOf("Y11",
+                  of + "faulty accepted " + at,
+                  100.0 - Probabilities::Rejected(p.faulty, threshold),
+                  "%",
+                  p.faulty.size());
         row.peer = "regular rejected";
         row.peer_value = Probabilities::Rejected(p.regular, threshold);
         rows.push_back(std::move(row));

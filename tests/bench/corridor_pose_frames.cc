@@ -121,18 +121,4 @@ double PoseScore::PercentBeyond(double sigmas) const {
          static_cast<double>(worst_sigmas.size());
 }
 
-BenchRow PoseRow(const std::string& id,
-                 const std::string& name,
-                 double value,
-                 const std::string& unit,
-                 std::size_t runs) {
-  BenchRow row;
-  row.id = id;
-  row.name = name;
-  row.value = value;
-  row.unit = unit;
-  row.runs = static_cast<std::int64_t>(runs);
-  return row;
-}
-
 }  // namespace waymark

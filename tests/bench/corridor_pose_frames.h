@@ -97,10 +97,4 @@ struct PoseScore {
   [[nodiscard]] double PercentBeyond(double sigmas) const;
 };
 
-[[nodiscard]] BenchRow PoseRow(const std::string& id,
-                               const std::string& name,
-                               double value,
-                               const std::string& unit,
-                               std::size_t runs);
-
 }  // namespace waymark

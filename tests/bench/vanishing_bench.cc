@@ -1,17 +1,15 @@
-// Vanishing points: the paper's and ours along corridors, and the three
-// directions of photographed buildings.
+// Vanishing points: the paper's and ours along corridors.
 
 #include "estimation/base/random.h"
 #include "estimation/geometry/angle.h"
 #include "estimation/lines/furthest_removal.h"
 #include "estimation/lines/line_extractor.h"
-#include "estimation/lines/manhattan_directions.h"
 #include "estimation/lines/vanishing_point.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/line_frames.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/vanishing_peers.h"
-#include "tests/support/york_urban.h"
+#include "tests/bench/york_bench.h"
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
@@ -32,20 +30,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-BenchRow Row(const std::string& id,
-             const std::string& name,
-             double value,
-             const std::string& unit,
-             std::size_t runs) {
-  BenchRow row;
-  row.id = id;
-  row.name = name;
-  row.value = value;
-  row.unit = unit;
-  row.runs = static_cast<std::int64_t>(runs);
-  return row;
-}
 
 // ---- Y5 and Y7: along rendered corridors -----------------------------------
 
@@ -160,7 +144,7 @@ std::vector<BenchRow> BenchGate(bool full) {
                        double value,
                        double peer,
                        double ratio) {
-    rows.push_back(Row("Y5", name, value, unit, frames.size()));
+    rows.push_back(RowOf("Y5", name, value, unit, frames.size()));
     rows.back().peer = "no gate";
     rows.back().peer_value = peer;
     rows.back().ratio = ratio;
@@ -218,7 +202,8 @@ std::vector<BenchRow> BenchCorridors(bool full) {
                                        double value,
                                        double peer_value,
                                        bool is_more_better) {
-      rows.push_back(Row("Y7", name + ", " + what, value, unit, frames.size()));
+      rows.push_back(
+          RowOf("Y7", name + ", " + what, value, unit, frames.size()));
       rows.back().peer = "RANSAC of intersections";
       rows.back().peer_value = peer_value;
       rows.back().ratio = is_more_better ? value / std::max(1e-9, peer_value)
@@ -292,7 +277,7 @@ std::vector<BenchRow> BenchRemoval(bool full) {
     }
     const std::string of = " of " + std::to_string(num) + " points";
     rows.push_back(
-        Row("Y6", "removal" + of, 1e3 * Median(ours), "ms", ours.size()));
+        RowOf("Y6", "removal" + of, 1e3 * Median(ours), "ms", ours.size()));
     if (has_peer) {
       rows.back().peer = "all points each time";
       rows.back().peer_value = 1e3 * Median(peers);
@@ -303,156 +288,11 @@ std::vector<BenchRow> BenchRemoval(bool full) {
     const double relative =
         static_cast<double>(removal.num_visits) / (num * std::log2(num));
     if (num == 1000) first = relative;
-    rows.push_back(Row(
+    rows.push_back(RowOf(
         "Y6", "visits over n log2 n" + of, relative / first, "of 1000's", 1));
     rows.back().goal = "<= 1.2";
     rows.back().holds = rows.back().value <= 1.2;
   }
-  return rows;
-}
-
-// ---- Y8: the three directions of photographed buildings --------------------
-
-struct Method {
-  std::string name;
-  std::function<std::optional<Matrix3d>(std::size_t image)> find;
-  std::vector<double> angles_deg{};
-  std::vector<double> seconds{};
-};
-
-std::optional<Matrix3d> Ours(std::span<const LineSegment> lines) {
-  const ManhattanReport report =
-      FindManhattanDirections(lines, YorkView(), std::nullopt, {});
-  if (!report.directions) return std::nullopt;
-  return report.directions->R_CM;
-}
-
-std::vector<LineSegment> SegmentsFrom(const std::vector<cv::Vec4f>& lines) {
-  std::vector<LineSegment> segments;
-  for (const cv::Vec4f& l : lines) {
-    const Vector2d a(static_cast<double>(l[0]), static_cast<double>(l[1]));
-    const Vector2d b(static_cast<double>(l[2]), static_cast<double>(l[3]));
-    if (a != b) segments.push_back(SegmentBetween(a, b));
-  }
-  return segments;
-}
-
-// That of time is the estimator's; from pixels finding the lines counts too.
-enum class Goals { kNone, kAccuracy, kAll };
-
-void AddScores(const Method& method,
-               const Method* peer,
-               Goals goals,
-               std::vector<BenchRow>* rows) {
-  const DirectionScore score = ScoreAngles(method.angles_deg);
-  const DirectionScore other =
-      peer == nullptr ? DirectionScore{} : ScoreAngles(peer->angles_deg);
-  const auto add = [&](const std::string& what,
-                       const std::string& unit,
-                       double value,
-                       double peer_value,
-                       double goal,
-                       bool is_more_better,
-                       bool has_goal) {
-    rows->push_back(Row("Y8",
-                        method.name + ", " + what,
-                        value,
-                        unit,
-                        method.angles_deg.size() / 3));
-    BenchRow& row = rows->back();
-    if (peer != nullptr) {
-      row.peer = peer->name;
-      row.peer_value = peer_value;
-      row.ratio = is_more_better ? value / peer_value : peer_value / value;
-    }
-    if (!has_goal) return;
-    char text[32];
-    std::snprintf(text, sizeof text, is_more_better ? ">= %g" : "<= %g", goal);
-    row.goal = text;
-    row.holds = is_more_better ? value >= goal : value <= goal;
-  };
-  const bool is_judged = goals != Goals::kNone;
-  add("AUC@3", "", score.auc_3, other.auc_3, 0.66, true, is_judged);
-  add("AUC@5", "", score.auc_5, other.auc_5, 0.80, true, is_judged);
-  add("AUC@10", "", score.auc_10, other.auc_10, 0.90, true, is_judged);
-  add("median",
-      "deg",
-      score.median_deg,
-      other.median_deg,
-      0.8,
-      false,
-      is_judged);
-  if (method.seconds.empty()) return;
-  add("time",
-      "ms",
-      1e3 * Median(method.seconds),
-      peer == nullptr ? 0.0 : 1e3 * Median(peer->seconds),
-      2.5,
-      false,
-      goals == Goals::kAll);
-}
-
-std::vector<BenchRow> BenchYork(bool full) {
-  cv::setNumThreads(1);
-  const std::vector<YorkPhotograph> photographs = ReadYorkPhotographs();
-  const std::vector<LineFrame> images = YorkFrames(51);
-  if (photographs.empty() || images.size() != photographs.size()) {
-    std::printf("vanishing: no York photographs, WAYMARK_DATA\n");
-    return {};
-  }
-  LineExtractor extractor;
-  const auto lsd = cv::createLineSegmentDetector(cv::LSD_REFINE_STD);
-  const auto given = [&](std::size_t i) {
-    return std::span<const LineSegment>(photographs[i].segments);
-  };
-  std::vector<Method> methods{
-      {"given segments", [&](std::size_t i) { return Ours(given(i)); }},
-      {"from pixels",
-       [&](std::size_t i) {
-         return Ours(extractor.Extract(images[i].image).segments);
-       }},
-      {"2-line search, given segments",
-       [&](std::size_t i) { return TwoLineSearch(given(i), YorkView()); }},
-      {"LSD from pixels, ours after it",
-       [&](std::size_t i) {
-         std::vector<cv::Vec4f> lines;
-         lsd->detect(images[i].image, lines);
-         return Ours(SegmentsFrom(lines));
-       }},
-      {"LSD from pixels, 2-line search after it", [&](std::size_t i) {
-         std::vector<cv::Vec4f> lines;
-         lsd->detect(images[i].image, lines);
-         return TwoLineSearch(SegmentsFrom(lines), YorkView());
-       }}};
-  if (full) {
-    methods.push_back(
-        {"2-line search of all pairs, given segments", [&](std::size_t i) {
-           return TwoLineSearchOfAllPairs(given(i), YorkView());
-         }});
-  }
-  Method ceiling{"the labels' nearest rotation", {}};
-  for (std::size_t i = 0; i < photographs.size(); ++i) {
-    const Matrix3d& truth = photographs[i].axes_C;
-    const auto judge = [&](const Matrix3d& found, Method* method) {
-      for (const double angle : AxisAngles(truth, found)) {
-        method->angles_deg.push_back(DegreesFromRadians(angle));
-      }
-    };
-    for (Method& method : methods) {
-      std::optional<Matrix3d> found;
-      method.seconds.push_back(CpuSecondsOf([&] { found = method.find(i); }));
-      // No answer: as wrong as can be.
-      if (!found) method.angles_deg.insert(method.angles_deg.end(), 3, 90.0);
-      if (found) judge(*found, &method);
-    }
-    judge(NearestOrthogonal(truth), &ceiling);
-  }
-  std::vector<BenchRow> rows;
-  AddScores(methods[0], &methods[2], Goals::kAll, &rows);
-  AddScores(methods[1], &methods[4], Goals::kAccuracy, &rows);
-  AddScores(methods[3], &methods[4], Goals::kNone, &rows);
-  if (full) AddScores(methods[5], nullptr, Goals::kNone, &rows);
-  AddScores(ceiling, nullptr, Goals::kNone, &rows);
   return rows;
 }
 
